@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: Apache-2.0
+# <build>/python/relume: the package as it will be installed, the sources as links and the module beside them. With
+# PYTHONPATH=<build>/python an edit in python/relume is seen at once.
+set(RELUME_PYTHON_TREE "${PROJECT_BINARY_DIR}/python/relume")
+file(MAKE_DIRECTORY "${RELUME_PYTHON_TREE}")
+file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/python/relume/*")
+file(GLOB staged "${RELUME_PYTHON_TREE}/*")
+foreach(link IN LISTS staged)
+    get_filename_component(name "${link}" NAME)
+    if(IS_SYMLINK "${link}" AND NOT EXISTS "${PROJECT_SOURCE_DIR}/python/relume/${name}")
+        file(REMOVE "${link}")
+    endif()
+endforeach()
+foreach(source IN LISTS sources)
+    get_filename_component(name "${source}" NAME)
+    if(NOT name STREQUAL "__pycache__")
+        file(CREATE_LINK "${source}" "${RELUME_PYTHON_TREE}/${name}" SYMBOLIC)
+    endif()
+endforeach()
+if(TARGET _relume)
+    set_target_properties(_relume PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${RELUME_PYTHON_TREE}")
+    relume_export_symbols(_relume "${PROJECT_SOURCE_DIR}/cmake/symbols_python.map")
+endif()
