@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What a shading model sees: the surface at a pixel, one light at a time, and the terms it answers with.
+//
+// Conventions: n, v, l, h are unit, point away from the surface, in world space. Results are f·NdotL in 1/sr; the light's
+// irradiance (or intensity times attenuation) multiplies them outside.
+
+#include "relume/shading/vec.h"
+
+namespace relume {
+
+enum class Lobe : int { diffuse, specular, transmission };
+
+template <class T>
+struct Lobes {
+    Color<T> diffuse;
+    Color<T> specular;
+    Color<T> transmission;
+};
+
+/// The surface at a pixel.
+template <class T>
+struct Geometry {
+    Vec3<T> n;
+    Vec3<T> v;
+    T n_dot_v;             ///< clamped to [1e-4, 1], for denominators
+    Vec3<T> tangent;       ///< orthonormal to n; set where the shader has needs_tangent
+    Vec3<T> bitangent;
+    T ambient_occlusion;
+};
+
+/// One light at a pixel.
+template <class T>
+struct LightSample {
+    Vec3<T> l;
+    T n_dot_l;             ///< not clamped
+    T v_dot_l;
+};
+
+/// Lower bound of NdotL and NdotV in denominators.
+inline constexpr double kMinCosine = 1e-4;
+
+/// The half vector's cosines. sin²θh comes from |h − n|², not from 1 − NdotH², which cancels: at alpha 0.001 the latter is
+/// 121 % off in float.
+template <class T>
+struct HalfVector {
+    T n_dot_h;
+    T sin2_h;   ///< sin²θh = |n × h|²
+    T v_dot_h;  ///< = LdotH
+    T inv_len;  ///< 1/|v + l|: h = (v + l)·inv_len
+};
+
+template <class T>
+RELUME_INLINE HalfVector<T> half_vector(const Geometry<T>& g, const LightSample<T>& s) {
+    HalfVector<T> h;
+    const T w = max(T(1.f) + s.v_dot_l, constant<T>(1e-8));  // |v + l|²/2
+    h.inv_len = rsqrt(w + w);
+    h.v_dot_h = min(w * h.inv_len, T(1.f));
+    const Vec3<T> d{fma(g.v.x + s.l.x, h.inv_len, -g.n.x), fma(g.v.y + s.l.y, h.inv_len, -g.n.y),
+                    fma(g.v.z + s.l.z, h.inv_len, -g.n.z)};
+    const T q = dot(d, d);  // = 2 − 2·NdotH
+    h.n_dot_h = fma(q, constant<T>(-0.5), T(1.f));
+    h.sin2_h = max(q * fma(q, constant<T>(-0.25), T(1.f)), T(0.f));
+    return h;
+}
+
+/// h itself, for anisotropic lobes.
+template <class T>
+RELUME_INLINE Vec3<T> half_direction(const Geometry<T>& g, const LightSample<T>& s, const HalfVector<T>& h) {
+    return scale(add(g.v, s.l), h.inv_len);
+}
+
+/// What a model that is a sum of per-pixel colours times scalar terms prepares once per pixel:
+/// f·NdotL = Σ color[k]·term_k(l). The kernel sums light colour × term over all lights and multiplies by the pixel's
+/// colours once. A model adds what else its terms need in a struct derived from this.
+template <class T, int N>
+struct PreparedTerms {
+    Color<T> color[N];
+    Color<T> ambient;   ///< per unit of irradiance from lights without direction (cd/π)
+    Color<T> emission;
+};
+
+}  // namespace relume

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The number type T of shading code and everything that may be done with it. T is float (the reference), double (tests
+// and fitting) or an xsimd batch of floats, one pixel a lane. Shading code is written once against this header; nothing
+// else in relume names an intrinsic. Straight-line code: comparisons give masks, select() chooses.
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <type_traits>
+
+#if defined(RELUME_ISA_BATCH)
+#  include <xsimd/xsimd.hpp>
+#endif
+
+#define RELUME_INLINE inline __attribute__((always_inline))
+
+namespace relume {
+
+// ---- scalars: T = float, double -----------------------------------------------------------------------------------
+
+template <class T>
+concept Scalar = std::is_same_v<T, float> || std::is_same_v<T, double>;
+
+template <class T>
+struct NumberTraits {
+    using Mask = bool;
+    static constexpr int width = 1;
+};
+
+template <class T>
+using MaskOf = typename NumberTraits<T>::Mask;
+
+/// Lanes of T.
+template <class T>
+inline constexpr int kWidth = NumberTraits<T>::width;
+
+template <Scalar T> RELUME_INLINE T select(bool mask, T a, T b) { return mask ? a : b; }
+template <Scalar T> RELUME_INLINE T min(T a, T b) { return b < a ? b : a; }
+template <Scalar T> RELUME_INLINE T max(T a, T b) { return a < b ? b : a; }
+template <Scalar T> RELUME_INLINE T abs(T x) { return std::fabs(x); }
+template <Scalar T> RELUME_INLINE T sqrt(T x) { return std::sqrt(x); }
+/// a·b + c. The scalar reference leaves contraction to the compiler.
+template <Scalar T> RELUME_INLINE T fma(T a, T b, T c) { return a * b + c; }
+/// 1/x and 1/√x, to 2 ulp in a batch and correctly rounded operations in the reference. x must not be 0.
+template <Scalar T> RELUME_INLINE T rcp(T x) { return T(1) / x; }
+template <Scalar T> RELUME_INLINE T rsqrt(T x) { return T(1) / std::sqrt(x); }
+template <Scalar T> RELUME_INLINE T exp(T x) { return std::exp(x); }
+template <Scalar T> RELUME_INLINE T exp2(T x) { return std::exp2(x); }
+template <Scalar T> RELUME_INLINE T log(T x) { return std::log(x); }
+template <Scalar T> RELUME_INLINE T sin(T x) { return std::sin(x); }
+template <Scalar T> RELUME_INLINE T cos(T x) { return std::cos(x); }
+template <Scalar T> RELUME_INLINE T acos(T x) { return std::acos(x); }
+template <Scalar T> RELUME_INLINE T asin(T x) { return std::asin(x); }
+template <Scalar T> RELUME_INLINE T atan2(T y, T x) { return std::atan2(y, x); }
+/// x^y for x ≥ 0; 0^0 is 1.
+template <Scalar T> RELUME_INLINE T pow(T x, T y) { return std::pow(x, y); }
+RELUME_INLINE bool any(bool mask) { return mask; }
+RELUME_INLINE bool all(bool mask) { return mask; }
+template <Scalar T> RELUME_INLINE bool is_nan(T x) { return x != x; }
+
+/// `lanes` values from contiguous memory; the lanes beyond repeat the last.
+template <Scalar T> RELUME_INLINE T load(const float* p, int) { return T(*p); }
+template <Scalar T> RELUME_INLINE void store(float* p, T x, int) { *p = static_cast<float>(x); }
+
+#if defined(RELUME_ISA_BATCH)
+
+// ---- batches ------------------------------------------------------------------------------------------------------
+
+template <class A>
+using Batch = xsimd::batch<float, A>;
+
+template <class A>
+struct NumberTraits<Batch<A>> {
+    using Mask = xsimd::batch_bool<float, A>;
+    static constexpr int width = static_cast<int>(Batch<A>::size);
+};
+
+template <class A> RELUME_INLINE Batch<A> select(xsimd::batch_bool<float, A> m, Batch<A> a, Batch<A> b) { return xsimd::select(m, a, b); }
+template <class A> RELUME_INLINE Batch<A> min(Batch<A> a, Batch<A> b) { return xsimd::min(a, b); }
+template <class A> RELUME_INLINE Batch<A> max(Batch<A> a, Batch<A> b) { return xsimd::max(a, b); }
+template <class A> RELUME_INLINE Batch<A> abs(Batch<A> x) { return xsimd::abs(x); }
+template <class A> RELUME_INLINE Batch<A> sqrt(Batch<A> x) { return xsimd::sqrt(x); }
+template <class A> RELUME_INLINE Batch<A> fma(Batch<A> a, Batch<A> b, Batch<A> c) { return xsimd::fma(a, b, c); }
+template <class A> RELUME_INLINE Batch<A> exp(Batch<A> x) { return xsimd::exp(x); }
+template <class A> RELUME_INLINE Batch<A> exp2(Batch<A> x) { return xsimd::exp2(x); }
+template <class A> RELUME_INLINE Batch<A> log(Batch<A> x) { return xsimd::log(x); }
+template <class A> RELUME_INLINE Batch<A> sin(Batch<A> x) { return xsimd::sin(x); }
+template <class A> RELUME_INLINE Batch<A> cos(Batch<A> x) { return xsimd::cos(x); }
+template <class A> RELUME_INLINE Batch<A> acos(Batch<A> x) { return xsimd::acos(x); }
+template <class A> RELUME_INLINE Batch<A> asin(Batch<A> x) { return xsimd::asin(x); }
+template <class A> RELUME_INLINE Batch<A> atan2(Batch<A> y, Batch<A> x) { return xsimd::atan2(y, x); }
+template <class A> RELUME_INLINE bool any(xsimd::batch_bool<float, A> m) { return xsimd::any(m); }
+template <class A> RELUME_INLINE bool all(xsimd::batch_bool<float, A> m) { return xsimd::all(m); }
+template <class A> RELUME_INLINE xsimd::batch_bool<float, A> is_nan(Batch<A> x) { return x != x; }
+
+template <class A>
+RELUME_INLINE Batch<A> pow(Batch<A> x, Batch<A> y) {
+    // exp(y·log x), with the two ends that the product 0·∞ would spoil.
+    const Batch<A> tiny(1e-37f);
+    const Batch<A> p = xsimd::exp(y * xsimd::log(xsimd::max(x, tiny)));
+    return xsimd::select(x < tiny, xsimd::select(y == Batch<A>(0.f), Batch<A>(1.f), Batch<A>(0.f)), p);
+}
+
+// The hardware's estimates (12 bits on SSE and AVX, 14 on AVX-512) and one Newton step, 2 ulp at the worst: worth 1.25×
+// over division and square root. Where there is no good estimate, the exact operations.
+namespace estimate {
+#if defined(__AVX512F__)
+RELUME_INLINE __m512 rcp(__m512 x) { return _mm512_rcp14_ps(x); }
+RELUME_INLINE __m512 rsqrt(__m512 x) { return _mm512_rsqrt14_ps(x); }
+#endif
+#if defined(__AVX__)
+RELUME_INLINE __m256 rcp(__m256 x) { return _mm256_rcp_ps(x); }
+RELUME_INLINE __m256 rsqrt(__m256 x) { return _mm256_rsqrt_ps(x); }
+#endif
+#if defined(__SSE2__)
+RELUME_INLINE __m128 rcp(__m128 x) { return _mm_rcp_ps(x); }
+RELUME_INLINE __m128 rsqrt(__m128 x) { return _mm_rsqrt_ps(x); }
+#endif
+}  // namespace estimate
+
+template <class A>
+RELUME_INLINE Batch<A> rcp(Batch<A> x) {
+#if defined(__SSE2__)
+    const Batch<A> y(estimate::rcp(typename Batch<A>::register_type(x)));
+    return xsimd::fma(y, xsimd::fnma(x, y, Batch<A>(1.f)), y);
+#else
+    return Batch<A>(1.f) / x;
+#endif
+}
+
+template <class A>
+RELUME_INLINE Batch<A> rsqrt(Batch<A> x) {
+#if defined(__SSE2__)
+    const Batch<A> y(estimate::rsqrt(typename Batch<A>::register_type(x)));
+    return xsimd::fma(y * Batch<A>(0.5f), xsimd::fnma(x * y, y, Batch<A>(1.f)), y);
+#else
+    return Batch<A>(1.f) / xsimd::sqrt(x);
+#endif
+}
+
+template <class T>
+    requires(!Scalar<T>)
+RELUME_INLINE T load(const float* p, int lanes) {
+    if (lanes >= kWidth<T>) [[likely]] return T::load_unaligned(p);
+    alignas(64) float padded[kWidth<T>];
+    for (int k = 0; k < kWidth<T>; ++k) padded[k] = p[k < lanes ? k : lanes - 1];
+    return T::load_aligned(padded);
+}
+
+template <class A>
+RELUME_INLINE void store(float* p, Batch<A> x, int lanes) {
+    if (lanes >= kWidth<Batch<A>>) [[likely]] {
+        x.store_unaligned(p);
+        return;
+    }
+    alignas(64) float padded[kWidth<Batch<A>>];
+    x.store_aligned(padded);
+    for (int k = 0; k < lanes; ++k) p[k] = padded[k];
+}
+
+#endif  // RELUME_ISA_BATCH
+
+// ---- for every T --------------------------------------------------------------------------------------------------
+
+template <class T> RELUME_INLINE T clamp(T x, T low, T high) { return min(max(x, low), high); }
+template <class T> RELUME_INLINE T saturate(T x) { return clamp(x, T(0.f), T(1.f)); }
+template <class T> RELUME_INLINE T square(T x) { return x * x; }
+template <class T> RELUME_INLINE T lerp(T a, T b, T t) { return fma(t, b - a, a); }
+/// √x for x that rounding may have brought below 0.
+template <class T> RELUME_INLINE T safe_sqrt(T x) { return sqrt(max(x, T(0.f))); }
+/// x⁵; Schlick's (1 − x)⁵ takes x clamped to [0, 1].
+template <class T> RELUME_INLINE T pow5(T x) { const T x2 = x * x; return x2 * x2 * x; }
+
+inline constexpr double kPi = 3.14159265358979323846;
+inline constexpr double kInvPi = 0.31830988618379067154;
+
+/// A constant of type T from a double, without a narrowing warning.
+template <class T>
+RELUME_INLINE T constant(double x) {
+    if constexpr (std::is_same_v<T, double>) return x;
+    else return T(static_cast<float>(x));
+}
+
+}  // namespace relume
