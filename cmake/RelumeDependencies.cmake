@@ -7,7 +7,7 @@ find_package(glm REQUIRED)
 find_path(RELUME_XSIMD_INCLUDE_DIR xsimd/xsimd.hpp REQUIRED)
 mark_as_advanced(RELUME_XSIMD_INCLUDE_DIR)
 find_package(tomlplusplus 3 REQUIRED)
-find_package(Imath 3.1 REQUIRED)
+find_package(Imath 3.1 QUIET REQUIRED)
 
 # relume_openexrcore: the one name that core/io links, wherever OpenEXRCore came from.
 if(RELUME_OPENEXR STREQUAL "bundled")

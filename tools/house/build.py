@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Builds a preset where something changed, once at a time."""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import os
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from house.checkout import BUILD, ROOT, run, say
+
+# CMake does not notice by itself when one of these changes.
+_CONFIGURED_BY = ("CMakePresets.json", "tools/openexr-source.txt", "tools/requirements.txt")
+
+
+@contextmanager
+def _locked(directory: Path) -> Iterator[None]:
+    directory.mkdir(parents=True, exist_ok=True)
+    with open(directory / ".lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def _configuration() -> str:
+    digest = hashlib.sha256(str(ROOT).encode())
+    for name in _CONFIGURED_BY:
+        digest.update((ROOT / name).read_bytes())
+    return digest.hexdigest()
+
+
+def configure(preset: str) -> Path:
+    """Configure a preset unless that was done and nothing has changed since; returns its build directory."""
+    directory = BUILD / preset
+    stamp = directory / ".configured"
+    wanted = _configuration()
+    if not (directory / "build.ninja").exists() or not stamp.exists() or stamp.read_text() != wanted:
+        say(f"configuring {preset}")
+        run(["cmake", "--preset", preset, "-Wno-dev", "--log-level=WARNING", "--no-warn-unused-cli"])
+        stamp.write_text(wanted)
+    return directory
+
+
+def build(preset: str, *targets: str) -> Path:
+    """Build a preset (or only the named targets of it); silent when there is nothing to do. Returns the directory.
+
+    Raises:
+        StepFailed: it does not configure or compile.
+    """
+    with _locked(BUILD / preset):
+        directory = configure(preset)
+        dry = subprocess.run(["ninja", "-C", directory, "-n", *targets], capture_output=True, text=True, check=False)
+        if dry.returncode != 0 or "no work to do" not in dry.stdout:
+            say(f"building {preset}")
+            run(["ninja", "-C", directory, "--quiet", *targets], what=f"building {preset}")
+    return directory
+
+
+def python_environment() -> dict[str, str]:
+    """The environment in which ``import relume`` finds this checkout's package, built."""
+    environment = dict(os.environ)
+    environment["PYTHONPATH"] = str(BUILD / "release" / "python")
+    environment["PATH"] = f"{ROOT / '.venv' / 'bin'}{os.pathsep}{environment['PATH']}"
+    environment.setdefault("RELUME_TEST_DATA", str(ROOT.parent / "shared" / "data"))
+    return environment
