@@ -43,12 +43,14 @@ COMMANDS: dict[str, Callable[[list[str]], int]] = {
 
 
 def usage() -> str:
+    """The commands, each with the first line of its docstring."""
     lines = ["usage: ./dev COMMAND [ARGS...]", ""]
     lines += [f"  {name:7} {(command.__doc__ or '').splitlines()[0]}" for name, command in COMMANDS.items()]
     return "\n".join(lines)
 
 
 def main() -> int:
+    """Run the command that the words after ./dev name; returns the exit code."""
     name, *arguments = sys.argv[1:] or ["help"]
     if name in ("help", "-h", "--help"):
         print(usage())
@@ -58,7 +60,7 @@ def main() -> int:
         return 2
     try:
         return COMMANDS[name](arguments)
-    except checkout.StepFailed as failure:
+    except checkout.StepError as failure:
         print(f"dev: {failure}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:

@@ -20,7 +20,7 @@ _CONFIGURED_BY = ("CMakePresets.json", "tools/openexr-source.txt", "tools/requir
 @contextmanager
 def _locked(directory: Path) -> Iterator[None]:
     directory.mkdir(parents=True, exist_ok=True)
-    with open(directory / ".lock", "w") as lock:
+    with (directory / ".lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         yield
 
@@ -48,7 +48,7 @@ def build(preset: str, *targets: str) -> Path:
     """Build a preset (or only the named targets of it); silent when there is nothing to do. Returns the directory.
 
     Raises:
-        StepFailed: it does not configure or compile.
+        StepError: it does not configure or compile.
     """
     with _locked(BUILD / preset):
         directory = configure(preset)

@@ -12,12 +12,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+Words = Sequence[str | Path]
+
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build"
 PYTHON = str(ROOT / ".venv" / "bin" / "python")
 
 
-class StepFailed(Exception):
+class StepError(Exception):
     """A step ended badly; the message says which, its output has been shown."""
 
 
@@ -27,7 +29,7 @@ def say(text: str) -> None:
 
 
 def run(
-    command: Sequence[str | Path],
+    command: Words,
     *,
     cwd: Path = ROOT,
     env: Mapping[str, str] | None = None,
@@ -36,32 +38,32 @@ def run(
     """Run a command with its output shown on standard error.
 
     Raises:
-        StepFailed: it could not be started or its exit code was not 0.
+        StepError: it could not be started or its exit code was not 0.
     """
     words = [str(word) for word in command]
     try:
         status = subprocess.run(words, cwd=cwd, env=env, stdout=sys.stderr, check=False).returncode
     except OSError as error:
-        raise StepFailed(f"{words[0]}: {error.strerror}") from error
+        raise StepError(f"{words[0]}: {error.strerror}") from error
     if status != 0:
-        raise StepFailed(f"{what or shlex.join(words)} failed (exit code {status})")
+        raise StepError(f"{what or shlex.join(words)} failed (exit code {status})")
 
 
-def output(command: Sequence[str | Path], *, cwd: Path = ROOT, env: Mapping[str, str] | None = None) -> str:
+def output(command: Words, *, cwd: Path = ROOT, env: Mapping[str, str] | None = None) -> str:
     """Standard output of a command that must succeed.
 
     Raises:
-        StepFailed: its exit code was not 0; what it wrote has been shown.
+        StepError: its exit code was not 0; what it wrote has been shown.
     """
     words = [str(word) for word in command]
     done = subprocess.run(words, cwd=cwd, env=env, text=True, capture_output=True, check=False)
     if done.returncode != 0:
         sys.stderr.write(done.stdout + done.stderr)
-        raise StepFailed(f"{shlex.join(words)} failed (exit code {done.returncode})")
+        raise StepError(f"{shlex.join(words)} failed (exit code {done.returncode})")
     return done.stdout
 
 
-def replace_process(command: Sequence[str | Path], env: Mapping[str, str]) -> int:
+def replace_process(command: Words, env: Mapping[str, str]) -> int:
     """Become the command: signals, terminal and exit code are then its own."""
     words = [str(word) for word in command]
     sys.stdout.flush()

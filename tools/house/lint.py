@@ -12,7 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from house import build
-from house.checkout import BUILD, PYTHON, ROOT, StepFailed, run, say, timed, tracked
+from house.checkout import BUILD, PYTHON, ROOT, StepError, run, say, timed, tracked
 
 _CPP = ("*.h", "*.cpp", "*.inl")
 
@@ -54,7 +54,7 @@ def _tidy() -> None:
                 failed.append(name)
                 sys.stderr.write(done.stdout)
     if failed:
-        raise StepFailed(f"clang-tidy: {', '.join(failed)}")
+        raise StepError(f"clang-tidy: {', '.join(failed)}")
     say(f"clang-tidy: {len(todo)} files looked at")
 
 
@@ -78,7 +78,7 @@ def lint(arguments: list[str]) -> int:
         try:
             with timed(title):
                 step()
-        except StepFailed as failure:
+        except StepError as failure:
             failures.append(str(failure))
     for text in failures:
         print(f"FAILED {text}", file=sys.stderr)

@@ -12,7 +12,7 @@ import tempfile
 from pathlib import Path
 
 from house import build
-from house.checkout import BUILD, PYTHON, ROOT, StepFailed, output, run
+from house.checkout import BUILD, PYTHON, ROOT, StepError, output, run
 
 _SCRATCH = BUILD / "package"
 
@@ -24,10 +24,8 @@ def out_of_tree() -> None:
     shutil.rmtree(_SCRATCH, ignore_errors=True)
     output(["cmake", "--install", release, "--prefix", prefix, "--component", "library"])
     scratch = _SCRATCH / "build"
-    output(
-        ["cmake", "-S", ROOT / "tests" / "package", "-B", scratch, "-G", "Ninja"]
-        + ["-DCMAKE_BUILD_TYPE=Release", f"-DCMAKE_PREFIX_PATH={prefix}"]
-    )
+    settings = ["-DCMAKE_BUILD_TYPE=Release", f"-DCMAKE_PREFIX_PATH={prefix}"]
+    output(["cmake", "-S", ROOT / "tests" / "package", "-B", scratch, "-G", "Ninja", *settings])
     output(["cmake", "--build", scratch])
     output(["ctest", "--test-dir", str(scratch), "--output-on-failure"])
 
@@ -39,9 +37,9 @@ def make_wheel() -> Path:
         shutil.rmtree(directory, ignore_errors=True)
     environment = dict(os.environ, PATH=f"{Path(PYTHON).parent}{os.pathsep}{os.environ['PATH']}")
     environment.pop("PYTHONPATH", None)
+    settings = ["--no-deps", "--no-build-isolation", f"-Cbuild-dir={BUILD / 'wheel-cmake'}"]
     run(
-        [PYTHON, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", raw, "."]
-        + [f"-Cbuild-dir={BUILD / 'wheel-cmake'}"],
+        [PYTHON, "-m", "pip", "wheel", "--quiet", *settings, "--wheel-dir", raw, "."],
         env=environment,
         what="building the wheel",
     )
@@ -60,7 +58,16 @@ def wheel() -> None:
     wanted = hashlib.sha256(constraints.read_bytes() + (ROOT / "pyproject.toml").read_bytes()).hexdigest()
     python = home / "bin" / "python"
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-    install = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-c", constraints]
+    install: list[str | Path] = [
+        python,
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--disable-pip-version-check",
+        "-c",
+        constraints,
+    ]
     if not stamp.exists() or stamp.read_text() != wanted:
         output([sys.executable, "-m", "venv", "--clear", home])
         run([*install, path, "OpenEXR", "OpenImageIO"], env=environment)
@@ -71,4 +78,4 @@ def wheel() -> None:
             [python, ROOT / "tests" / "package" / "wheel_check.py"], cwd=elsewhere, env=environment, check=False
         )
     if done.returncode != 0:
-        raise StepFailed(f"tests/package/wheel_check.py ended with exit code {done.returncode}")
+        raise StepError(f"tests/package/wheel_check.py ended with exit code {done.returncode}")

@@ -3,16 +3,17 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import subprocess
 import sys
 import time
-import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from xml.etree import ElementTree
 
 from house import build, package, processor
-from house.checkout import BUILD, PYTHON, ROOT, StepFailed, say
+from house.checkout import BUILD, PYTHON, ROOT, StepError, say
 
 _SANITIZER_ENVIRONMENT = {
     "ASAN_OPTIONS": "detect_stack_use_after_return=1:strict_string_checks=1:allocator_may_return_null=1",
@@ -85,7 +86,7 @@ def _step(tally: Tally, title: str, action: Callable[[], object]) -> bool:
     start = time.monotonic()
     try:
         action()
-    except StepFailed as failure:
+    except StepError as failure:
         tally.failures.append(f"{title}: {failure}")
         return False
     tally.passed += 1
@@ -105,7 +106,7 @@ def test(arguments: list[str]) -> int:
     _pytest(tally, arguments)
     if not quick:
         for preset in ("asan-ubsan", "tsan", "clang"):
-            if _step(tally, f"build without warnings, {preset}", lambda preset=preset: build.build(preset)):
+            if _step(tally, f"build without warnings, {preset}", functools.partial(build.build, preset)):
                 _gtest(tally, preset)
         _step(tally, "a program outside the tree, by find_package", package.out_of_tree)
         _step(tally, "the wheel, in a clean environment", package.wheel)
