@@ -17,8 +17,8 @@ endfunction()
 
 # relume_isa_objects(<target> <isa> <source>...): an OBJECT library `<target>.isa-<isa>` of the sources for one instruction
 # set. Its objects export nothing but the kernels: a weak symbol (an inline function of a library, say) that the linker
-# picked from an AVX-512 object would run on every CPU. GCC emits such functions as local ones with -fno-weak; the kernels
-# are flattened, so that little is left of them anyway.
+# picked from an AVX-512 object would run on every CPU. The kernels are static and flattened (everything they call is
+# inlined, in every build type) and compiled without exceptions, so that none is left; a test looks with nm.
 function(relume_isa_objects target isa)
     set(library "${target}.isa-${isa}")
     add_library(${library} OBJECT ${ARGN})
@@ -45,8 +45,10 @@ function(relume_isa_objects target isa)
         if(isa STREQUAL "v4")
             target_compile_options(${library} PRIVATE -mprefer-vector-width=512)
         endif()
+        target_compile_options(${library} PRIVATE -fno-exceptions)
         if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-            target_compile_options(${library} PRIVATE -fno-weak)
+            # GCC 12 on its own AVX-512 header: the "undefined" vectors there.
+            target_compile_options(${library} PRIVATE -Wno-maybe-uninitialized)
         endif()
     endif()
 endfunction()

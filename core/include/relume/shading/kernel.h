@@ -174,8 +174,9 @@ RELUME_INLINE void write_outputs(const ShaderTile& tile, int i, int lanes, const
     }
 }
 
+// Internal linkage and flattened: see relume_isa_objects() in cmake/RelumeShader.cmake.
 template <class S, class T>
-__attribute__((flatten)) void shade_tile(ShaderTile* tile_ptr) {
+__attribute__((flatten)) static void shade_tile(ShaderTile* tile_ptr) {
     ShaderTile& tile = *tile_ptr;
     const T zero(0.f), one(1.f);
     typename S::Options options;
@@ -282,11 +283,12 @@ __attribute__((flatten)) void shade_tile(ShaderTile* tile_ptr) {
             lobes[0] = fma(mul(prepared.ambient, irradiance), g.ambient_occlusion, lobes[0]);
         }
 
-        // A select, not a product: what an invalid lane computed may be NaN.
+        // Catches what overflowed on the way as well. A select, not a product: an invalid lane may hold NaN.
+        for (const Color<T>& lobe : lobes) poison = fma(lobe.x + lobe.y + lobe.z, zero, poison);
         const MaskOf<T> valid = surface && !is_nan(poison);
         const T weight = tile.weight != nullptr ? load<T>(tile.weight + i, lanes) : one;
-        for (Color<T>& lobe : lobes) lobe = select<T>(valid, lobe, splat(zero));
-        const Color<T> emission = select<T>(valid, tile.emission ? prepared.emission : splat(zero), splat(zero));
+        for (Color<T>& lobe : lobes) lobe = select(valid, lobe, splat(zero));
+        const Color<T> emission = select(valid, tile.emission ? prepared.emission : splat(zero), splat(zero));
         write_outputs<S, T>(tile, i, lanes, lobes, emission, weight);
 
         if (any(is_nan(poison))) [[unlikely]] {
@@ -300,7 +302,7 @@ __attribute__((flatten)) void shade_tile(ShaderTile* tile_ptr) {
 
 /// f·NdotL on arrays, by the same code.
 template <class S, class T>
-void evaluate_arrays(const ShaderEvaluation<T>* e) {
+static void evaluate_arrays(const ShaderEvaluation<T>* e) {
     typename S::Options options;
     if constexpr (kOptionSlots<S> > 0) std::memcpy(&options, e->options, sizeof options);
     for (std::int64_t i = 0; i < e->count; ++i) {

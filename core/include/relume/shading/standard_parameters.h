@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Rows that many models share, so that a channel name means the same in all of them. Each takes the slot and, where
+// models differ, the default.
+
+#include "relume/parameter.h"
+
+namespace relume::row {
+
+constexpr Parameter color(std::string_view name, int slot, double r, double g, double b, std::string_view label, std::string_view help,
+                          double max = kUnbounded) {
+    return {.name = name, .type = ParameterType::color, .value = {r, g, b}, .min = 0, .max = max, .label = label, .help = help, .slot = slot};
+}
+
+constexpr Parameter scalar(std::string_view name, int slot, double value, double min, double max, std::string_view label,
+                           std::string_view help, double soft_min = 0, double soft_max = 1, std::string_view unit = {}) {
+    return {.name = name, .value = {value}, .min = min, .max = max, .soft_min = soft_min, .soft_max = soft_max, .unit = unit,
+            .label = label, .help = help, .slot = slot};
+}
+
+constexpr Parameter boolean(std::string_view name, int slot, bool value, std::string_view label, std::string_view help) {
+    return {.name = name, .type = ParameterType::boolean, .value = {value ? 1. : 0.}, .min = 0, .max = 1, .label = label, .help = help, .slot = slot};
+}
+
+constexpr Parameter choice(std::string_view name, int slot, int value, std::string_view choices, std::string_view label, std::string_view help) {
+    return {.name = name, .type = ParameterType::choice, .value = {static_cast<double>(value)}, .label = label, .help = help,
+            .choices = choices, .slot = slot};
+}
+
+constexpr Parameter base_color(int slot, double r = 0.8, double g = 0.8, double b = 0.8) {
+    return color("base_color", slot, r, g, b, "Base color", "Reflectance of the surface: the diffuse albedo of a dielectric, F0 of a metal. Scene-linear.");
+}
+constexpr Parameter roughness(int slot, double value = 0.5) {
+    return scalar("roughness", slot, value, 0, 1, "Roughness", "Perceptual roughness; alpha is its square.");
+}
+constexpr Parameter metallic(int slot) {
+    return scalar("metallic", slot, 0, 0, 1, "Metallic", "0 is a dielectric, 1 a metal; between, a blend of both.");
+}
+constexpr Parameter specular(int slot) {
+    return scalar("specular", slot, 0.5, 0, kUnbounded, "Specular", "Reflectance of a dielectric at normal incidence in units of 8 %: 0.5 is 4 %.");
+}
+constexpr Parameter emission(int slot) {
+    return color("emission", slot, 0, 0, 0, "Emission", "Radiance that the surface emits, W/(sr·m²); added once, no light changes it.");
+}
+constexpr Parameter ambient(int slot) {
+    return color("ambient", slot, 0, 0, 0, "Ambient", "Constant light: adds base_color · ambient · ambient_occlusion.");
+}
+constexpr Parameter anisotropy(int slot, std::string_view name = "anisotropy", double min = -1) {
+    return scalar(name, slot, 0, min, 1, "Anisotropy", "Stretches the highlight along the tangent; 0 is isotropic.", min);
+}
+constexpr Parameter energy_conserving(int slot) {
+    return boolean("energy_conserving", slot, true, "Energy conserving", "On: normalised, so that the albedo is base_color. Off: the plain textbook form, without 1/π and normalisation.");
+}
+
+}  // namespace relume::row
