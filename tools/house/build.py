@@ -6,12 +6,14 @@ from __future__ import annotations
 import fcntl
 import hashlib
 import os
+import re
 import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from house.checkout import BUILD, ROOT, run, say
+from house.checkout import BUILD, ROOT, StepError, run, say
 
 # CMake does not notice by itself when one of these changes.
 _CONFIGURED_BY = ("CMakePresets.json", "tools/openexr-source.txt", "tools/requirements.txt")
@@ -44,6 +46,29 @@ def configure(preset: str) -> Path:
     return directory
 
 
+def _ninja(directory: Path, title: str, targets: tuple[str, ...]) -> None:
+    """Run ninja, silent when there is nothing to do; progress on one line of a terminal, elsewhere only trouble."""
+    command = ["ninja", "-C", str(directory), *targets]
+    announced = False
+    terminal = sys.stderr.isatty()
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            step = re.match(r"\[(\d+/\d+)\] (.*)", line)
+            if step and "Re-checking globbed" not in line:
+                if not announced:
+                    say(title)
+                    announced = True
+                if terminal:
+                    print(f"\r\033[K[{step[1]}] {step[2][-90:]}", end="", file=sys.stderr, flush=True)
+            elif not step and not line.startswith("ninja: "):
+                print(line, end="", file=sys.stderr, flush=True)
+    if terminal and announced:
+        print("\r\033[K", end="", file=sys.stderr, flush=True)
+    if process.returncode != 0:
+        raise StepError(f"{title} failed (ninja's exit code {process.returncode})")
+
+
 def build(preset: str, *targets: str) -> Path:
     """Build a preset (or only the named targets of it); silent when there is nothing to do. Returns the directory.
 
@@ -52,10 +77,7 @@ def build(preset: str, *targets: str) -> Path:
     """
     with _locked(BUILD / preset):
         directory = configure(preset)
-        dry = subprocess.run(["ninja", "-C", directory, "-n", *targets], capture_output=True, text=True, check=False)
-        if dry.returncode != 0 or "no work to do" not in dry.stdout:
-            say(f"building {preset}")
-            run(["ninja", "-C", directory, "--quiet", *targets], what=f"building {preset}")
+        _ninja(directory, f"building {preset}", targets)
     return directory
 
 

@@ -39,7 +39,7 @@ def make_wheel() -> Path:
     environment.pop("PYTHONPATH", None)
     settings = ["--no-deps", "--no-build-isolation", f"-Cbuild-dir={BUILD / 'wheel-cmake'}"]
     run(
-        [PYTHON, "-m", "pip", "wheel", "--quiet", *settings, "--wheel-dir", raw, "."],
+        [PYTHON, "-m", "pip", "wheel", "-qq", *settings, "--wheel-dir", raw, "."],
         env=environment,
         what="building the wheel",
     )

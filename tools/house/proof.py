@@ -41,6 +41,9 @@ def _gtest(tally: Tally, preset: str, isa: str | None = None) -> None:
     if isa:
         environment["RELUME_ISA"] = isa
     say(title)
+    if not program.exists():
+        tally.failures.append(f"{title}: there are none")
+        return
     status = subprocess.run(
         [program, "--gtest_brief=1", f"--gtest_output=json:{report}"], cwd=ROOT, env=environment, check=False
     ).returncode
