@@ -65,7 +65,7 @@ struct SceneImage {
     const SceneChannel* find(std::string_view name) const;
 };
 
-/// Errors: parameter (no such scene: names the nearest), value (an option out of its range).
+/// Errors: parameter (no such scene), value (an option out of its range).
 RELUME_API SceneImage render_scene(std::string_view name, const SceneOptions& options = {});
 
 /// Renders into an EXR: one part, float32, ZIP. Errors: as render_scene, and file.
