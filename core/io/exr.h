@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -17,7 +18,14 @@
 namespace relume::io {
 
 /// EXR's compressions, in the numbering of the file format.
-enum class Compression : std::uint8_t { none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa, dwab, htj2k256, htj2k32, zstd };
+enum class Compression : std::uint8_t {
+    none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa, dwab, htj2k256, htj2k32, lj2k, zstd
+};
+
+std::string_view name_of(Compression compression);                        ///< "zip"
+std::optional<Compression> compression_from_name(std::string_view name);  ///< lower case, as name_of gives it
+/// Whether the OpenEXR that this was built with reads and writes it (3.1 lacks DWA, HTJ2K and ZSTD).
+bool is_supported(Compression compression);
 
 /// An attribute of an EXR header. Types that nobody here interprets are kept as raw bytes so that they survive a copy.
 struct Attribute {

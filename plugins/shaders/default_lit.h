@@ -40,6 +40,7 @@ struct DefaultLit {
         T alpha, alpha2;
         T anisotropy;
         T alpha_x, alpha_y;
+        Vec3<T> tangent, bitangent;
         T length_v;  // len(ax·t·v, ay·b·v, n·v)
         bool any_anisotropic;
     };
@@ -60,17 +61,18 @@ struct DefaultLit {
         out.anisotropy = clamp(p.anisotropy, -one, one);
         out.any_anisotropic = any(out.anisotropy != T(0.f));
         if (out.any_anisotropic) {
+            tangent_frame(g, out.tangent, out.bitangent);
             const T least = constant<T>(kMinAlpha);
             out.alpha_x = max(out.alpha * (one + out.anisotropy), least);
             out.alpha_y = max(out.alpha * (one - out.anisotropy), least);
-            out.length_v = stretched_length(out, g, g.v, g.n_dot_v);
+            out.length_v = stretched_length(out, g.v, g.n_dot_v);
         }
         return out;
     }
 
     template <class T>
-    static RELUME_INLINE T stretched_length(const Prepared<T>& m, const Geometry<T>& g, const Vec3<T>& d, T n_dot_d) {
-        const T x = m.alpha_x * dot(g.tangent, d), y = m.alpha_y * dot(g.bitangent, d);
+    static RELUME_INLINE T stretched_length(const Prepared<T>& m, const Vec3<T>& d, T n_dot_d) {
+        const T x = m.alpha_x * dot(m.tangent, d), y = m.alpha_y * dot(m.bitangent, d);
         return sqrt(fma(x, x, fma(y, y, n_dot_d * n_dot_d)));
     }
 
@@ -83,8 +85,8 @@ struct DefaultLit {
         T lobe = m.alpha2 * constant<T>(0.5 * kInvPi) * n_dot_l * rcp(denominator);  // D·V·NdotL
         if (m.any_anisotropic) {
             const Vec3<T> hd = half_direction(g, s, h);
-            const T d = ggx_distribution_anisotropic(m.alpha_x, m.alpha_y, dot(g.tangent, hd), dot(g.bitangent, hd), h.n_dot_h * h.n_dot_h);
-            const T v = constant<T>(0.5) * rcp(max(fma(n_dot_l, m.length_v, g.n_dot_v * stretched_length(m, g, s.l, n_dot_l)), constant<T>(1e-12)));
+            const T d = ggx_distribution_anisotropic(m.alpha_x, m.alpha_y, dot(m.tangent, hd), dot(m.bitangent, hd), h.n_dot_h * h.n_dot_h);
+            const T v = constant<T>(0.5) * rcp(max(fma(n_dot_l, m.length_v, g.n_dot_v * stretched_length(m, s.l, n_dot_l)), constant<T>(1e-12)));
             lobe = select(m.anisotropy != T(0.f), d * v * n_dot_l, lobe);
         }
         const T fresnel = schlick_weight(h.v_dot_h);

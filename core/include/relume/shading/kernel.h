@@ -56,6 +56,14 @@ constexpr bool table_matches_params() {
 #define RELUME_SLOT(member) static_cast<int>(offsetof(Params<float>, member) / sizeof(float))
 #define RELUME_OPTION(member) static_cast<int>(offsetof(Options, member) / sizeof(std::int32_t))
 
+/// f(std::integral_constant<int, 0>) … f(<N − 1>), unrolled before the optimiser splits arrays into registers, which a loop
+/// is not.
+template <int N, class F>
+RELUME_INLINE void static_for(F&& f) {
+    [&]<int... K>(std::integer_sequence<int, K...>) RELUME_INLINE_LAMBDA { (f(std::integral_constant<int, K>{}), ...); }
+    (std::make_integer_sequence<int, N>{});
+}
+
 /// The direction and the share of DirectLight::color that arrives, for one kind of light.
 template <class T>
 RELUME_INLINE T spot_factor(const DirectLight& light, T cosine) {
@@ -92,25 +100,23 @@ RELUME_INLINE Vec3<T> light_direction(const DirectLight& light, const Vec3<T>& p
     return l;
 }
 
-template <class S, class T, std::size_t... K>
-RELUME_INLINE void load_params(typename S::template Params<T>& params, const ShaderTile& tile, int i, int lanes, T& poison,
-                               std::index_sequence<K...>) {
+template <class S, class T>
+RELUME_INLINE void load_params(typename S::template Params<T>& params, const ShaderTile& tile, int i, T& poison) {
     T* slots = reinterpret_cast<T*>(&params);
-    const auto one = [&](std::size_t k) {
+    static_for<kFloatSlots<S>>([&](auto k) RELUME_INLINE_LAMBDA {
         const float* plane = tile.slots[k];
         if (plane == nullptr) {
             slots[k] = T(tile.constants[k]);
         } else {
-            slots[k] = load<T>(plane + i, lanes);
+            slots[k] = load<T>(plane + i);
             poison = fma(slots[k], T(0.f), poison);
         }
-    };
-    (one(K), ...);
+    });
 }
 
 template <class T>
-RELUME_INLINE Vec3<T> load3(const float* const (&planes)[3], int i, int lanes) {
-    return {load<T>(planes[0] + i, lanes), load<T>(planes[1] + i, lanes), load<T>(planes[2] + i, lanes)};
+RELUME_INLINE Vec3<T> load3(const float* const (&planes)[3], int i) {
+    return {load<T>(planes[0] + i), load<T>(planes[1] + i), load<T>(planes[2] + i)};
 }
 
 template <class T>
@@ -118,6 +124,13 @@ RELUME_INLINE void accumulate(Color<T>& sum, const float (&color)[3], T weight) 
     sum.x = fma(T(color[0]), weight, sum.x);
     sum.y = fma(T(color[1]), weight, sum.y);
     sum.z = fma(T(color[2]), weight, sum.z);
+}
+
+template <class T>
+RELUME_INLINE void accumulate(Color<T>& sum, const Color<T>& f, const float (&color)[3], T weight) {
+    sum.x = fma(f.x * weight, T(color[0]), sum.x);
+    sum.y = fma(f.y * weight, T(color[1]), sum.y);
+    sum.z = fma(f.z * weight, T(color[2]), sum.z);
 }
 
 /// Up to this many terms are summed apart over the lights; beyond, registers run out and each light's lobes are summed.
@@ -130,35 +143,22 @@ RELUME_INLINE Lobes<T> evaluate_lobes(const typename S::template Prepared<T>& pr
         T w[term_count<S>()];
         S::evaluate(prepared, options, g, s, w);
         Lobes<T> out{splat(T(0.f)), splat(T(0.f)), splat(T(0.f))};
-        Color<T>* lobes[3] = {&out.diffuse, &out.specular, &out.transmission};
-        for (int k = 0; k < term_count<S>(); ++k)
-            *lobes[static_cast<int>(S::terms[k])] = fma(prepared.color[k], w[k], *lobes[static_cast<int>(S::terms[k])]);
+        static_for<term_count<S>()>([&](auto k) RELUME_INLINE_LAMBDA {
+            constexpr Lobe lobe = S::terms[k];
+            Color<T>& sum = lobe == Lobe::diffuse ? out.diffuse : lobe == Lobe::specular ? out.specular : out.transmission;
+            sum = fma(prepared.color[k], w[k], sum);
+        });
         return out;
     } else {
         return S::evaluate(prepared, options, g, s);
     }
 }
 
-/// The surface frame that evaluation and shading share. `tangent` need not be orthogonal or unit.
-template <class S, class T>
-RELUME_INLINE void finish_geometry(Geometry<T>& g, const Vec3<T>* tangent) {
-    if constexpr (S::needs_tangent) {
-        orthonormal_frame(g.n, g.tangent, g.bitangent);
-        if (tangent != nullptr) {
-            const Vec3<T> t = fma(g.n, -dot(g.n, *tangent), *tangent);
-            const T length2 = dot(t, t);
-            const MaskOf<T> usable = length2 > constant<T>(1e-12);
-            g.tangent = select(usable, scale(t, rsqrt(max(length2, constant<T>(1e-12)))), g.tangent);
-            g.bitangent = select(usable, cross(g.n, g.tangent), g.bitangent);
-        }
-    }
-}
-
-template <class S, class T>
-RELUME_INLINE void write_outputs(const ShaderTile& tile, int i, int lanes, const Color<T> (&lobes)[3], const Color<T>& emission, T weight) {
-    const auto put = [&](float* plane, T value) {
-        if (tile.accumulate) value = value + load<T>(plane + i, lanes);
-        store(plane + i, value, lanes);
+template <class T>
+RELUME_INLINE void write_outputs(const ShaderTile& tile, int i, const Color<T> (&lobes)[3], const Color<T>& emission, T weight) {
+    const auto put = [&](float* plane, T value) RELUME_INLINE_LAMBDA {
+        if (tile.accumulate) value = value + load<T>(plane + i);
+        store(plane + i, value);
     };
     if (tile.total[0] != nullptr) {
         const Color<T> total = add(add(lobes[0], lobes[1]), add(lobes[2], emission));
@@ -166,138 +166,199 @@ RELUME_INLINE void write_outputs(const ShaderTile& tile, int i, int lanes, const
         put(tile.total[1], total.y * weight);
         put(tile.total[2], total.z * weight);
     }
-    for (int k = 0; k < 3; ++k) {
-        if (tile.lobe[k][0] == nullptr) continue;
+    static_for<3>([&](auto k) RELUME_INLINE_LAMBDA {
+        if (tile.lobe[k][0] == nullptr) return;
         put(tile.lobe[k][0], lobes[k].x * weight);
         put(tile.lobe[k][1], lobes[k].y * weight);
         put(tile.lobe[k][2], lobes[k].z * weight);
-    }
+    });
 }
+
+/// Pixels [i, i + kWidth) of the tile. Returns how many of the first `lanes` read NaN or infinity.
+template <class S, class T>
+RELUME_INLINE int shade_batch(const ShaderTile& tile, const typename S::Options& options, int i, int mask_offset, int lanes) {
+    const T zero(0.f), one(1.f);
+    T poison = zero;  // becomes NaN in lanes that read NaN or infinity
+    Geometry<T> g;
+    const Vec3<T> normal = load3<T>(tile.normal, i);
+    const T length2 = dot(normal, normal);
+    poison = fma(length2, zero, poison);
+    const MaskOf<T> surface = length2 > constant<T>(1e-12);
+    g.n = scale(normal, rsqrt(max(length2, constant<T>(1e-12))));
+
+    Vec3<T> p{zero, zero, zero};
+    if (tile.position[0] != nullptr) {
+        p = load3<T>(tile.position, i);
+        poison = fma(p.x + p.y + p.z, zero, poison);
+    }
+    const Vec3<T> eye{T(tile.eye[0]), T(tile.eye[1]), T(tile.eye[2])};
+    if (tile.view[0] != nullptr) g.v = load3<T>(tile.view, i);
+    else if (tile.constant_view) g.v = eye;
+    else g.v = normalize(sub(eye, p));
+
+    const T n_dot_v = dot(g.n, g.v);
+    poison = fma(n_dot_v, zero, poison);
+    g.n_dot_v = clamp(n_dot_v, constant<T>(kMinCosine), one);
+    g.ambient_occlusion = one;
+    if (tile.ambient_occlusion != nullptr) {
+        g.ambient_occlusion = load<T>(tile.ambient_occlusion + i);
+        poison = fma(g.ambient_occlusion, zero, poison);
+    }
+    g.tangent = splat(zero);
+    if constexpr (S::needs_tangent) {
+        if (tile.tangent[0] != nullptr) {
+            g.tangent = load3<T>(tile.tangent, i);
+            poison = fma(g.tangent.x + g.tangent.y + g.tangent.z, zero, poison);
+        }
+    }
+
+    typename S::template Params<T> params;
+    load_params<S, T>(params, tile, i, poison);
+    const auto prepared = S::prepare(params, options, g);
+
+    constexpr bool kSum = HasTerms<S> && term_count<S>() <= kMaxSummedTerms;
+    constexpr int kSums = kSum ? term_count<S>() : 3;
+    Color<T> sums[kSums];
+    static_for<kSums>([&](auto k) RELUME_INLINE_LAMBDA { sums[k] = splat(zero); });
+
+    for (const DirectLight* light = tile.lights; light != tile.lights + tile.light_count; ++light) {
+        T falloff;
+        LightSample<T> s;
+        s.l = light_direction(*light, p, falloff);
+        s.n_dot_l = dot(g.n, s.l);
+        if constexpr (!S::lit_from_below) {
+            if (!any(s.n_dot_l > zero)) continue;
+        }
+        s.v_dot_l = dot(g.v, s.l);
+        if (light->mask != nullptr) falloff = falloff * load_partial<T>(light->mask + mask_offset, lanes);
+        if constexpr (kSum) {
+            T w[kSums];
+            S::evaluate(prepared, options, g, s, w);
+            static_for<kSums>([&](auto k) RELUME_INLINE_LAMBDA {
+                accumulate(sums[k], light->color[static_cast<int>(S::terms[k])], w[k] * falloff);
+            });
+        } else {
+            const Lobes<T> f = evaluate_lobes<S, T>(prepared, options, g, s);
+            accumulate(sums[0], f.diffuse, light->color[0], falloff);
+            accumulate(sums[1], f.specular, light->color[1], falloff);
+            accumulate(sums[2], f.transmission, light->color[2], falloff);
+        }
+    }
+
+    Color<T> lobes[3] = {splat(zero), splat(zero), splat(zero)};
+    if constexpr (kSum) {
+        static_for<kSums>([&](auto k) RELUME_INLINE_LAMBDA {
+            Color<T>& lobe = lobes[static_cast<int>(S::terms[k])];
+            lobe = add(lobe, mul(prepared.color[k], sums[k]));
+        });
+    } else {
+        static_for<3>([&](auto k) RELUME_INLINE_LAMBDA { lobes[k] = sums[k]; });
+    }
+    if constexpr (!S::lit_from_below) {  // a lobe is 0 where the viewer is below
+        const T front = select(n_dot_v > zero, one, zero);
+        static_for<3>([&](auto k) RELUME_INLINE_LAMBDA { lobes[k] = scale(lobes[k], front); });
+    }
+
+    if (tile.ambient_count > 0) {
+        Color<T> irradiance = splat(zero);
+        for (const AmbientLight* light = tile.ambients; light != tile.ambients + tile.ambient_count; ++light) {
+            const Vec3<T> axis{T(light->axis[0]), T(light->axis[1]), T(light->axis[2])};
+            const T c = dot(g.n, axis);
+            const T w = light->clamp ? max(c, zero) : fma(c, constant<T>(0.5), constant<T>(0.5));
+            const T m = light->mask != nullptr ? load_partial<T>(light->mask + mask_offset, lanes) : one;
+            irradiance.x = fma(m, lerp(T(light->low[0]), T(light->high[0]), w), irradiance.x);
+            irradiance.y = fma(m, lerp(T(light->low[1]), T(light->high[1]), w), irradiance.y);
+            irradiance.z = fma(m, lerp(T(light->low[2]), T(light->high[2]), w), irradiance.z);
+        }
+        lobes[0] = fma(mul(prepared.ambient, irradiance), g.ambient_occlusion, lobes[0]);
+    }
+
+    // Catches what overflowed on the way as well. A select, not a product: an invalid lane may hold NaN.
+    const Color<T> sum = add(add(lobes[0], lobes[1]), lobes[2]);
+    poison = fma(sum.x + sum.y + sum.z, zero, poison);
+    const MaskOf<T> valid = surface && !is_nan(poison);
+    const T weight = tile.weight != nullptr ? load<T>(tile.weight + i) : one;
+    static_for<3>([&](auto k) RELUME_INLINE_LAMBDA { lobes[k] = select(valid, lobes[k], splat(zero)); });
+    const Color<T> emission = select(valid, tile.emission ? prepared.emission : splat(zero), splat(zero));
+    write_outputs(tile, i, lobes, emission, weight);
+
+    if (!any(is_nan(poison))) [[likely]] return 0;
+    alignas(64) float flags[kWidth<T>];
+    store(flags, select(is_nan(poison), one, zero));
+    int count = 0;
+    for (int k = 0; k < kWidth<T> && k < lanes; ++k) count += flags[k] != 0.f;
+    return count;
+}
+
+/// Calls f on every plane pointer of the tile, inputs first.
+template <class S, class F>
+void for_each_input(ShaderTile& tile, const float* (&slots)[kFloatSlots<S>], F&& f) {
+    for (auto* group : {tile.normal, tile.position, tile.view, tile.tangent})
+        for (int k = 0; k < 3; ++k) f(group[k]);
+    f(tile.ambient_occlusion);
+    f(tile.weight);
+    for (const float*& slot : slots) f(slot);
+}
+
+/// The last count mod kWidth pixels, in padded copies: the same batch code as everywhere, so that a pixel's bits do not
+/// depend on where the tile ends.
+template <class T>
+struct Tail {
+    static constexpr int kPlanes = 3 * 4 + 2 + 64;
+    alignas(64) float inputs[kPlanes][kWidth<T>];
+    alignas(64) float outputs[12][kWidth<T>];
+};
 
 // Internal linkage and flattened: see relume_isa_objects() in cmake/RelumeShader.cmake.
 template <class S, class T>
-__attribute__((flatten)) static void shade_tile(ShaderTile* tile_ptr) {
-    ShaderTile& tile = *tile_ptr;
-    const T zero(0.f), one(1.f);
+__attribute__((flatten)) static void shade_tile(ShaderTile* tile) {
+    static_assert(kFloatSlots<S> <= 64, "Tail has room for 64 slots");
     typename S::Options options;
-    if constexpr (kOptionSlots<S> > 0) std::memcpy(&options, tile.options, sizeof options);
+    if constexpr (kOptionSlots<S> > 0) std::memcpy(&options, tile->options, sizeof options);
+    const int whole = tile->count / kWidth<T> * kWidth<T>;
+    const int rest = tile->count - whole;
     std::int64_t nonfinite = 0;
 
-    for (int i = 0; i < tile.count; i += kWidth<T>) {
-        const int lanes = tile.count - i;
-        T poison = zero;  // becomes NaN in lanes that read NaN or infinity
-        Geometry<T> g;
-        const Vec3<T> normal = load3<T>(tile.normal, i, lanes);
-        const T length2 = dot(normal, normal);
-        poison = fma(length2, zero, poison);
-        const MaskOf<T> surface = length2 > constant<T>(1e-12);
-        g.n = scale(normal, rsqrt(max(length2, constant<T>(1e-12))));
-
-        Vec3<T> p{zero, zero, zero};
-        if (tile.position[0] != nullptr) {
-            p = load3<T>(tile.position, i, lanes);
-            poison = fma(p.x + p.y + p.z, zero, poison);
+    ShaderTile work = *tile;
+    const float* slots[kFloatSlots<S>];
+    for (int k = 0; k < kFloatSlots<S>; ++k) slots[k] = tile->slots[k];
+    work.slots = slots;
+    Tail<T> tail;
+    // Twice through one loop, the second time over the tail, so that the kernel is there once.
+    for (int pass = 0, begin = 0, end = whole; pass < 2; ++pass, end = rest > 0 ? kWidth<T> : 0) {
+        if (pass == 1 && rest > 0) {
+            int used = 0;
+            for_each_input<S>(work, slots, [&](const float*& plane) {
+                if (plane == nullptr) return;
+                for (int k = 0; k < kWidth<T>; ++k) tail.inputs[used][k] = plane[whole + (k < rest ? k : rest - 1)];
+                plane = tail.inputs[used++];
+            });
+            used = 0;
+            const auto output = [&](float*& plane) {
+                if (plane == nullptr) return;
+                for (int k = 0; k < kWidth<T>; ++k) tail.outputs[used][k] = k < rest && work.accumulate ? plane[whole + k] : 0.f;
+                plane = tail.outputs[used++];
+            };
+            for (float*& plane : work.total) output(plane);
+            for (auto& lobe : work.lobe)
+                for (float*& plane : lobe) output(plane);
         }
-        const Vec3<T> eye{T(tile.eye[0]), T(tile.eye[1]), T(tile.eye[2])};
-        if (tile.view[0] != nullptr) g.v = load3<T>(tile.view, i, lanes);
-        else if (tile.constant_view) g.v = eye;
-        else g.v = normalize(sub(eye, p));
-
-        const T n_dot_v = dot(g.n, g.v);
-        poison = fma(n_dot_v, zero, poison);
-        g.n_dot_v = clamp(n_dot_v, constant<T>(kMinCosine), one);
-        g.ambient_occlusion = one;
-        if (tile.ambient_occlusion != nullptr) {
-            g.ambient_occlusion = load<T>(tile.ambient_occlusion + i, lanes);
-            poison = fma(g.ambient_occlusion, zero, poison);
-        }
-        if (S::needs_tangent && tile.tangent[0] != nullptr) {
-            const Vec3<T> tangent = load3<T>(tile.tangent, i, lanes);
-            poison = fma(tangent.x + tangent.y + tangent.z, zero, poison);
-            finish_geometry<S, T>(g, &tangent);
-        } else {
-            finish_geometry<S, T>(g, nullptr);
-        }
-
-        typename S::template Params<T> params;
-        load_params<S, T>(params, tile, i, lanes, poison, std::make_index_sequence<kFloatSlots<S>>{});
-        const auto prepared = S::prepare(params, options, g);
-
-        constexpr bool kSum = HasTerms<S> && term_count<S>() <= kMaxSummedTerms;
-        Color<T> sums[kSum ? term_count<S>() : 3];
-        for (Color<T>& sum : sums) sum = splat(zero);
-
-        for (int k = 0; k < tile.light_count; ++k) {
-            const DirectLight& light = tile.lights[k];
-            T falloff;
-            LightSample<T> s;
-            s.l = light_direction(light, p, falloff);
-            s.n_dot_l = dot(g.n, s.l);
-            if constexpr (!S::lit_from_below) {
-                if (!any(s.n_dot_l > zero)) continue;
-            }
-            s.v_dot_l = dot(g.v, s.l);
-            if (light.mask != nullptr) falloff = falloff * load<T>(light.mask + i, lanes);
-            if constexpr (kSum) {
-                T w[term_count<S>()];
-                S::evaluate(prepared, options, g, s, w);
-                for (int t = 0; t < term_count<S>(); ++t)
-                    accumulate(sums[t], light.color[static_cast<int>(S::terms[t])], w[t] * falloff);
-            } else {
-                const Lobes<T> f = evaluate_lobes<S, T>(prepared, options, g, s);
-                const Color<T>* lobes[3] = {&f.diffuse, &f.specular, &f.transmission};
-                for (int t = 0; t < 3; ++t) {
-                    sums[t].x = fma(lobes[t]->x * falloff, T(light.color[t][0]), sums[t].x);
-                    sums[t].y = fma(lobes[t]->y * falloff, T(light.color[t][1]), sums[t].y);
-                    sums[t].z = fma(lobes[t]->z * falloff, T(light.color[t][2]), sums[t].z);
-                }
-            }
-        }
-
-        Color<T> lobes[3] = {splat(zero), splat(zero), splat(zero)};
-        if constexpr (kSum) {
-            for (int t = 0; t < term_count<S>(); ++t) {
-                Color<T>& lobe = lobes[static_cast<int>(S::terms[t])];
-                lobe = add(lobe, mul(prepared.color[t], sums[t]));
-            }
-        } else {
-            for (int t = 0; t < 3; ++t) lobes[t] = sums[t];
-        }
-        if constexpr (!S::lit_from_below) {  // a lobe is 0 where the viewer is below
-            const T front = select(n_dot_v > zero, one, zero);
-            for (Color<T>& lobe : lobes) lobe = scale(lobe, front);
-        }
-
-        if (tile.ambient_count > 0) {
-            Color<T> irradiance = splat(zero);
-            for (int k = 0; k < tile.ambient_count; ++k) {
-                const AmbientLight& light = tile.ambients[k];
-                const Vec3<T> axis{T(light.axis[0]), T(light.axis[1]), T(light.axis[2])};
-                const T c = dot(g.n, axis);
-                const T w = light.clamp ? max(c, zero) : fma(c, constant<T>(0.5), constant<T>(0.5));
-                const T m = light.mask != nullptr ? load<T>(light.mask + i, lanes) : one;
-                irradiance.x = fma(m, lerp(T(light.low[0]), T(light.high[0]), w), irradiance.x);
-                irradiance.y = fma(m, lerp(T(light.low[1]), T(light.high[1]), w), irradiance.y);
-                irradiance.z = fma(m, lerp(T(light.low[2]), T(light.high[2]), w), irradiance.z);
-            }
-            lobes[0] = fma(mul(prepared.ambient, irradiance), g.ambient_occlusion, lobes[0]);
-        }
-
-        // Catches what overflowed on the way as well. A select, not a product: an invalid lane may hold NaN.
-        for (const Color<T>& lobe : lobes) poison = fma(lobe.x + lobe.y + lobe.z, zero, poison);
-        const MaskOf<T> valid = surface && !is_nan(poison);
-        const T weight = tile.weight != nullptr ? load<T>(tile.weight + i, lanes) : one;
-        for (Color<T>& lobe : lobes) lobe = select(valid, lobe, splat(zero));
-        const Color<T> emission = select(valid, tile.emission ? prepared.emission : splat(zero), splat(zero));
-        write_outputs<S, T>(tile, i, lanes, lobes, emission, weight);
-
-        if (any(is_nan(poison))) [[unlikely]] {
-            alignas(64) float flags[64] = {};
-            store(flags, select(is_nan(poison), one, zero), kWidth<T>);
-            for (int k = 0; k < kWidth<T> && k < lanes; ++k) nonfinite += flags[k] != 0.f;
-        }
+        const int offset = pass == 0 ? 0 : whole;
+        for (int i = begin; i < end; i += kWidth<T>)
+            nonfinite += shade_batch<S, T>(work, options, i, offset + i, pass == 0 ? kWidth<T> : rest);
     }
-    tile.nonfinite = nonfinite;
+    if (rest > 0) {
+        int used = 0;
+        const auto copy_back = [&](float* plane) {
+            if (plane == nullptr) return;
+            for (int k = 0; k < rest; ++k) plane[whole + k] = tail.outputs[used][k];
+            ++used;
+        };
+        for (float* plane : tile->total) copy_back(plane);
+        for (auto& lobe : tile->lobe)
+            for (float* plane : lobe) copy_back(plane);
+    }
+    tile->nonfinite = nonfinite;
 }
 
 /// f·NdotL on arrays, by the same code.
@@ -315,10 +376,8 @@ static void evaluate_arrays(const ShaderEvaluation<T>* e) {
         const T n_dot_v = dot(g.n, g.v);
         g.n_dot_v = clamp(n_dot_v, constant<T>(kMinCosine), T(1));
         g.ambient_occlusion = T(1);
-        const bool has_tangent = e->tangent[0] != nullptr;
-        Vec3<T> tangent{T(0), T(0), T(0)};
-        if (has_tangent) tangent = {e->tangent[0][i], e->tangent[1][i], e->tangent[2][i]};
-        finish_geometry<S, T>(g, has_tangent ? &tangent : nullptr);
+        g.tangent = splat(T(0));
+        if (e->tangent[0] != nullptr) g.tangent = {e->tangent[0][i], e->tangent[1][i], e->tangent[2][i]};
         LightSample<T> s;
         s.l = {e->l[0][i], e->l[1][i], e->l[2][i]};
         s.n_dot_l = dot(g.n, s.l);

@@ -25,10 +25,22 @@ struct Geometry {
     Vec3<T> n;
     Vec3<T> v;
     T n_dot_v;             ///< clamped to [1e-4, 1], for denominators
-    Vec3<T> tangent;       ///< orthonormal to n; set where the shader has needs_tangent
-    Vec3<T> bitangent;
     T ambient_occlusion;
+    Vec3<T> tangent;       ///< as given, neither unit nor orthogonal; 0 where there is none. Shaders with needs_tangent
+                           ///< only, and through tangent_frame()
 };
+
+/// Orthonormal tangent and bitangent: the given tangent made orthogonal to n, else some frame around n. Not cheap: call it
+/// where a lobe is anisotropic.
+template <class T>
+RELUME_INLINE void tangent_frame(const Geometry<T>& g, Vec3<T>& tangent, Vec3<T>& bitangent) {
+    orthonormal_frame(g.n, tangent, bitangent);
+    const Vec3<T> t = fma(g.n, -dot(g.n, g.tangent), g.tangent);
+    const T length2 = dot(t, t);
+    const MaskOf<T> usable = length2 > constant<T>(1e-12);
+    tangent = select(usable, scale(t, rsqrt(max(length2, constant<T>(1e-12)))), tangent);
+    bitangent = select(usable, cross(g.n, tangent), bitangent);
+}
 
 /// One light at a pixel.
 template <class T>

@@ -16,6 +16,7 @@
 #endif
 
 #define RELUME_INLINE inline __attribute__((always_inline))
+#define RELUME_INLINE_LAMBDA __attribute__((always_inline))
 
 namespace relume {
 
@@ -61,9 +62,11 @@ RELUME_INLINE bool any(bool mask) { return mask; }
 RELUME_INLINE bool all(bool mask) { return mask; }
 template <Scalar T> RELUME_INLINE bool is_nan(T x) { return x != x; }
 
-/// `lanes` values from contiguous memory; the lanes beyond repeat the last.
-template <Scalar T> RELUME_INLINE T load(const float* p, int) { return T(*p); }
-template <Scalar T> RELUME_INLINE void store(float* p, T x, int) { *p = static_cast<float>(x); }
+/// kWidth<T> values from contiguous memory, of any alignment.
+template <Scalar T> RELUME_INLINE T load(const float* p) { return T(*p); }
+template <Scalar T> RELUME_INLINE void store(float* p, T x) { *p = static_cast<float>(x); }
+/// `lanes` values; the lanes beyond repeat the last.
+template <Scalar T> RELUME_INLINE T load_partial(const float* p, int) { return T(*p); }
 
 #if defined(RELUME_ISA_BATCH)
 
@@ -143,22 +146,22 @@ RELUME_INLINE Batch<A> rsqrt(Batch<A> x) {
 
 template <class T>
     requires(!Scalar<T>)
-RELUME_INLINE T load(const float* p, int lanes) {
+RELUME_INLINE T load(const float* p) {
+    return T::load_unaligned(p);
+}
+
+template <class A>
+RELUME_INLINE void store(float* p, Batch<A> x) {
+    x.store_unaligned(p);
+}
+
+template <class T>
+    requires(!Scalar<T>)
+RELUME_INLINE T load_partial(const float* p, int lanes) {
     if (lanes >= kWidth<T>) [[likely]] return T::load_unaligned(p);
     alignas(64) float padded[kWidth<T>];
     for (int k = 0; k < kWidth<T>; ++k) padded[k] = p[k < lanes ? k : lanes - 1];
     return T::load_aligned(padded);
-}
-
-template <class A>
-RELUME_INLINE void store(float* p, Batch<A> x, int lanes) {
-    if (lanes >= kWidth<Batch<A>>) [[likely]] {
-        x.store_unaligned(p);
-        return;
-    }
-    alignas(64) float padded[kWidth<Batch<A>>];
-    x.store_aligned(padded);
-    for (int k = 0; k < lanes; ++k) p[k] = padded[k];
 }
 
 #endif  // RELUME_ISA_BATCH

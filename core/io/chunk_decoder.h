@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "io/exr_core.h"
+
+namespace relume::io {
+
+/// Reads and decompresses chunks of one part, one at a time. Its buffers are kept from chunk to chunk.
+class ChunkDecoder {
+public:
+    ChunkDecoder(exr_const_context_t context, int part) : context_(context), part_(part) {}
+    ~ChunkDecoder();
+    ChunkDecoder(const ChunkDecoder&) = delete;
+    ChunkDecoder& operator=(const ChunkDecoder&) = delete;
+
+    /// The chunk's pixels as the file format lays them out: row after row, in a row channel after channel. They are
+    /// valid until the next call. Empty, with OpenEXRCore's error set, when the chunk cannot be had.
+    std::span<const std::byte> decode(const exr_chunk_info_t& chunk, exr_result_t& code);
+
+private:
+    exr_const_context_t context_;
+    int part_;
+    bool initialized_ = false;
+    exr_decode_pipeline_t pipeline_ = EXR_DECODE_PIPELINE_INITIALIZER;
+};
+
+/// The idle decoders of one part: as many come to be as threads read at once.
+class DecoderPool {
+public:
+    /// A borrowed decoder. It goes back at the end unless discard() says that its state can't be trusted any more.
+    class Lease {
+    public:
+        Lease(DecoderPool& pool, std::unique_ptr<ChunkDecoder> decoder) : pool_(pool), decoder_(std::move(decoder)) {}
+        ~Lease();
+        Lease(const Lease&) = delete;
+        Lease& operator=(const Lease&) = delete;
+        ChunkDecoder* operator->() const { return decoder_.get(); }
+        void discard() { decoder_.reset(); }
+
+    private:
+        DecoderPool& pool_;
+        std::unique_ptr<ChunkDecoder> decoder_;
+    };
+
+    DecoderPool(exr_const_context_t context, int part) : context_(context), part_(part) {}
+    Lease borrow();
+
+private:
+    exr_const_context_t context_;
+    int part_;
+    std::mutex mutex_;
+    std::vector<std::unique_ptr<ChunkDecoder>> idle_;
+};
+
+}  // namespace relume::io
