@@ -45,7 +45,7 @@ function(relume_isa_objects target isa)
         if(isa STREQUAL "v4")
             target_compile_options(${library} PRIVATE -mprefer-vector-width=512)
         endif()
-        target_compile_options(${library} PRIVATE -fno-exceptions)
+        target_compile_options(${library} PRIVATE -fno-exceptions -ffp-contract=fast)
         if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
             # GCC 12 on its own AVX-512 header: the "undefined" vectors there.
             target_compile_options(${library} PRIVATE -Wno-maybe-uninitialized)

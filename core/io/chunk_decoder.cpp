@@ -22,9 +22,12 @@ std::span<const std::byte> ChunkDecoder::decode(const exr_chunk_info_t& chunk, e
         // The library's unpackers know neither regions nor replicated subsampling: reading and decompressing is all
         // that is asked of it.
         pipeline_.unpack_and_convert_fn = nullptr;
+        decompress_ = pipeline_.decompress_fn;
     } else {
         code = exr_decoding_update(context_, part_, &chunk, &pipeline_);
     }
+    // A chunk as large as its pixels is stored as it is. OpenEXRCore 3.1 forgets that for B44.
+    pipeline_.decompress_fn = chunk.packed_size == chunk.unpacked_size ? nullptr : decompress_;
     if (code == EXR_ERR_SUCCESS) {
         code = exr_decoding_run(context_, part_, &pipeline_);
     }

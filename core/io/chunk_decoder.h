@@ -26,6 +26,7 @@ private:
     exr_const_context_t context_;
     int part_;
     bool initialized_ = false;
+    exr_result_t (*decompress_)(exr_decode_pipeline_t*) = nullptr;
     exr_decode_pipeline_t pipeline_ = EXR_DECODE_PIPELINE_INITIALIZER;
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
 #include <thread>
 
@@ -44,6 +45,7 @@ SceneOptions complete(const SceneInfo& scene, SceneOptions options) {
     require_range("paths", options.paths, 0, 16384);
     require_range("bounces", options.bounces, 0, 64);
     require_range("threads", options.threads, 1, 4096);
+    if (!std::isfinite(options.time)) throw Error(ErrorKind::value, "a scene's time is not a finite number");
     return options;
 }
 
