@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Truth files read with PyPI's OpenEXR, not with relume: what the proof stands on must not come from what it proves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import OpenEXR
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+# What each quantity is called: Blender 3's and Blender 5's names for the passes, then the AOVs of the truth scenes.
+_NAMES: dict[str, tuple[str, ...]] = {
+    "normal": ("Normal.X", "Normal.Y", "Normal.Z"),
+    "position": ("Position.X", "Position.Y", "Position.Z"),
+    "albedo": ("albedo.R", "albedo.G", "albedo.B"),
+    "coverage": ("albedo.A",),
+    "depth": ("Depth.Z",),
+    "roughness": ("roughness.X",),
+    "metallic": ("metallic.X",),
+    "specular": ("specular.X", "specular_ior_level.X"),
+    "object_id": ("IndexOB.X", "Object Index.X"),
+    "material_id": ("IndexMA.X", "Material Index.X"),
+}
+
+
+def read_channels(path: Path) -> dict[str, Array]:
+    """Every channel of every part by its name without the layer prefix, (H, W) float64."""
+    channels: dict[str, Array] = {}
+    with OpenEXR.File(str(path), separate_channels=True) as file:
+        for part in file.parts:
+            for name, channel in part.channels.items():
+                channels[name.removeprefix("ViewLayer.")] = np.asarray(channel.pixels, dtype=np.float64)
+    return channels
+
+
+def read_rgb(path: Path) -> Array:
+    """R, G, B as (H, W, 3) float64."""
+    channels = read_channels(path)
+    return np.stack([channels[name] for name in "RGB"], axis=-1)
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A G-buffer as stored: vectors (H, W, 3), scalars (H, W), float64; IDs rounded to integers."""
+
+    normal: Array
+    position: Array
+    albedo: Array
+    coverage: Array
+    depth: Array
+    roughness: Array
+    metallic: Array
+    specular: Array
+    object_id: NDArray[np.int64]
+    material_id: NDArray[np.int64]
+
+    @classmethod
+    def read(cls, path: Path) -> Surface:
+        channels = read_channels(path)
+
+        def take(name: str) -> Array:
+            found = [channels[candidate] for candidate in _NAMES[name] if candidate in channels]
+            return np.stack(found, axis=-1) if len(found) == 3 else found[0]
+
+        ids = {name: np.rint(take(name)).astype(np.int64) for name in ("object_id", "material_id")}
+        return cls(**{name: take(name) for name in _NAMES if name not in ids}, **ids)
+
+    def uncovered(self) -> Surface:
+        """Averaged channels divided by coverage and the normal made unit, as at silhouettes of an antialiased G-buffer."""
+        coverage = np.where(self.coverage > 0, self.coverage, 1.0)
+        length = np.linalg.norm(self.normal, axis=-1, keepdims=True)
+        return Surface(
+            normal=self.normal / np.where(length > 0, length, 1.0),
+            position=self.position,
+            albedo=self.albedo / coverage[..., None],
+            coverage=self.coverage,
+            depth=self.depth,
+            roughness=self.roughness / coverage,
+            metallic=self.metallic / coverage,
+            specular=self.specular / coverage,
+            object_id=self.object_id,
+            material_id=self.material_id,
+        )
+
+    def interior(self) -> NDArray[np.bool_]:
+        """Pixels whose 3×3 neighbourhood is one fully covered object without a step in depth; the frame's border is out."""
+        inside = (self.coverage >= 0.999) & (self.object_id > 0)
+        for j, i in _neighbours():
+            inside &= _shifted(self.object_id, j, i) == self.object_id
+            inside &= np.abs(_shifted(self.depth, j, i) - self.depth) <= 0.1 * self.depth
+        inside[[0, -1], :] = False
+        inside[:, [0, -1]] = False
+        return inside
+
+    def edges(self) -> NDArray[np.bool_]:
+        """Silhouettes against the background: partly covered pixels that hold a single object, one ring included."""
+        return (self.coverage > 0.001) & (self.coverage < 0.999)
+
+
+def _neighbours() -> Iterable[tuple[int, int]]:
+    return ((j, i) for j in (-1, 0, 1) for i in (-1, 0, 1) if (j, i) != (0, 0))
+
+
+def _shifted(array: NDArray[np.generic], j: int, i: int) -> NDArray[np.generic]:
+    return np.roll(array, (j, i), axis=(0, 1))

@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Direct light on a G-buffer in double precision: the formulas that Cycles follows, written independently of the core.
+
+Vectors n, v, l are unit, point away from the surface, world space, shape (..., 3). BRDFs return f·NdotL (1/sr), lights
+irradiance perpendicular to the ray (W/m²). alpha = roughness².
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from exr_files import Surface
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+Model = Literal["lambert", "lambertggx", "blender3"]
+
+
+def dot(a: Array, b: Array) -> Array:
+    return np.einsum("...i,...i->...", a, b)
+
+
+def normalized(a: Array) -> Array:
+    length = np.linalg.norm(a, axis=-1, keepdims=True)
+    return a / np.where(length > 0, length, 1.0)
+
+
+# ---------------------------------------------------------------- microfacets
+
+
+def _lambda(alpha2: Array, cosine: Array) -> Array:
+    """Smith's Λ of GGX: (√(1 + α² tan²θ) − 1)/2 (Heitz 2014, eq. 72)."""
+    cosine2 = np.maximum(cosine, 1e-8) ** 2
+    return 0.5 * (np.sqrt(1 + alpha2 * (1 - cosine2) / cosine2) - 1)
+
+
+def ggx(n: Array, v: Array, l: Array, roughness: Array, *, correlated: bool) -> Array:  # noqa: E741
+    """D·G/(4·NdotV): the GGX lobe without Fresnel, NdotL included. Walter 2007 eq. 33; G separable or height-correlated.
+
+    0 at alpha² ≤ 1e-7, where Cycles makes the lobe a mirror that no delta light reaches.
+    """
+    alpha2 = roughness**4
+    h = normalized(v + l)
+    sine2 = dot(np.cross(n, h), np.cross(n, h))  # Lagrange: no cancellation near the peak
+    d = alpha2 / (np.pi * np.maximum(sine2 + alpha2 * dot(n, h) ** 2, 1e-300) ** 2)
+    at_v, at_l = _lambda(alpha2, dot(n, v)), _lambda(alpha2, dot(n, l))
+    g = 1 / (1 + at_v + at_l) if correlated else 1 / ((1 + at_v) * (1 + at_l))
+    return np.where(alpha2 > 1e-7, d * g / (4 * np.maximum(dot(n, v), 1e-8)), 0.0)
+
+
+def dielectric_fresnel(cosine: Array, eta: Array) -> Array:
+    """Unpolarised reflectance of a dielectric seen from outside, eta = inside/outside."""
+    g = np.sqrt(eta**2 - 1 + cosine**2)
+    a = (g - cosine) / (g + cosine)
+    b = (cosine * (g + cosine) - 1) / (cosine * (g - cosine) + 1)
+    return 0.5 * a**2 * (1 + b**2)
+
+
+# --------------------------------------------------------------------- models
+
+
+@dataclass(frozen=True)
+class Material:
+    """base (..., 3); the rest (...)."""
+
+    base: Array
+    roughness: Array
+    metallic: Array
+    specular: Array
+
+
+def lambert(n: Array, l: Array, m: Material) -> Array:  # noqa: E741
+    return m.base / np.pi * dot(n, l)[..., None]
+
+
+def lambert_ggx(n: Array, v: Array, l: Array, m: Material, *, correlated: bool) -> Array:  # noqa: E741
+    """Lambert of base·(1 − metallic) + GGX with constant F = lerp(0.08·specular, base, metallic)."""
+    metallic = m.metallic[..., None]
+    f = 0.08 * m.specular[..., None] * (1 - metallic) + m.base * metallic
+    diffuse = m.base * (1 - metallic) / np.pi * dot(n, l)[..., None]
+    return diffuse + f * ggx(n, v, l, m.roughness, correlated=correlated)[..., None]
+
+
+def blender3(n: Array, v: Array, l: Array, m: Material) -> Array:  # noqa: E741
+    """Principled BSDF of Blender ≤ 3.6, distribution GGX: Burley 2012 diffuse + GGX with a Fresnel of its own."""
+    metallic = m.metallic[..., None]
+    nl, nv, lh = dot(n, l), dot(n, v), dot(l, normalized(v + l))
+    fl, fv = (1 - nl) ** 5, (1 - nv) ** 5
+    rr = m.roughness * (dot(l, v) + 1)
+    burley = (1 - 0.5 * fv) * (1 - 0.5 * fl) + rr * (fl + fv + fl * fv * (rr - 1))
+    diffuse = m.base * (1 - metallic) / np.pi * (nl * burley)[..., None]
+    root = np.sqrt(0.08 * m.specular)
+    ior = 2 / (1 - root) - 1
+    at_normal = dielectric_fresnel(np.ones_like(ior), ior)
+    # ior = 1 (specular 0): no interface, its rise is taken as 0 rather than 0/0.
+    rise = np.where(ior > 1, (dielectric_fresnel(lh, ior) - at_normal) / (1 - at_normal), 0.0)[..., None]
+    c0 = 0.08 * m.specular[..., None] * (1 - metallic) + m.base * metallic
+    return diffuse + (c0 + (1 - c0) * rise) * ggx(n, v, l, m.roughness, correlated=False)[..., None]
+
+
+def bump_terminator(n: Array, l: Array, smooth: Array) -> Array:  # noqa: E741
+    """Factor that Cycles 3 puts on the diffuse closure of a bumped surface; `smooth` is the normal before the bump."""
+    g = dot(smooth, l) / (dot(n, l) * dot(smooth, n))
+    return np.where(g >= 1, 1.0, np.where(g <= 0, 0.0, -(g**3) + g**2 + g))
+
+
+# --------------------------------------------------------------------- lights
+
+
+def illuminate(light: dict[str, Any], position: Array, *, generation: int) -> tuple[Array, Array]:
+    """Unit vector to the light (..., 3) and irradiance perpendicular to it (..., 3), from Blender's own numbers.
+
+    SUN: energy is W/m². POINT: energy P in W, intensity P/4π. SPOT: the same times smoothstep over the cosine; Blender 3
+    multiplies by the cosine to the axis besides.
+    """
+    color = np.asarray(light["color"], dtype=np.float64)
+    if light["type"] == "SUN":
+        to_light = np.broadcast_to(-np.asarray(light["direction"], dtype=np.float64), position.shape)
+        return to_light, np.broadcast_to(light["energy"] * color, position.shape)
+    offset = np.asarray(light["location"], dtype=np.float64) - position
+    distance2 = dot(offset, offset)
+    to_light = normalized(offset)
+    strength = light["energy"] / (4 * np.pi * np.maximum(distance2, 1e-12))
+    if light["type"] == "SPOT":
+        cosine = -dot(to_light, np.asarray(light["direction"], dtype=np.float64))
+        outer = np.cos(0.5 * light["spot_size_rad"])
+        t = np.clip((cosine - outer) / max((1 - outer) * light["spot_blend"], 1e-12), 0, 1)
+        strength = strength * t * t * (3 - 2 * t)
+        if generation == 3:
+            strength = strength * np.maximum(cosine, 0)
+    return to_light, strength[..., None] * color
+
+
+# --------------------------------------------------------------------- whole
+
+
+def shade(
+    surface: Surface, eye: Array, light: dict[str, Any], model: Model, *, generation: int, lambert_ids: tuple[int, ...] = ()
+) -> tuple[Array, Array]:
+    """Radiance (H, W, 3) of one light without shadows, 0 where there is no surface; and N·L (H, W).
+
+    `lambert_ids` are the material IDs that are plain Lambert whatever `model` says.
+    """
+    n = normalized(surface.normal)
+    v = normalized(eye - surface.position)
+    l, irradiance = illuminate(light, surface.position, generation=generation)  # noqa: E741
+    material = Material(surface.albedo, surface.roughness, surface.metallic, surface.specular)
+    if model == "blender3":
+        f = blender3(n, v, l, material)
+    elif model == "lambertggx":
+        f = lambert_ggx(n, v, l, material, correlated=generation >= 5)
+    else:
+        f = lambert(n, l, material)
+    plain = np.isin(surface.material_id, lambert_ids)
+    f = np.where(plain[..., None], lambert(n, l, material), f)
+    lit = dot(n, l)
+    seen = (dot(n, v) > 0) & (lit > 0) & (dot(surface.normal, surface.normal) > 0)
+    return np.where(seen[..., None], f * irradiance, 0.0), lit
