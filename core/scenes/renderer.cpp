@@ -3,16 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cmath>
-#include <exception>
-#include <functional>
-#include <mutex>
 #include <numeric>
-#include <thread>
 
 #include "scenes/name_id.h"
+#include "scenes/parallel.h"
 
 namespace relume::scene {
 namespace {
@@ -41,28 +37,6 @@ private:
     glm::dvec2 start_;
 };
 
-/// Runs row(j) for every row, in any order, on `threads` threads; the first exception reaches the caller.
-void for_each_row(int rows, int threads, const std::function<void(int)>& row) {
-    std::atomic<int> next{0};
-    std::exception_ptr failure;
-    std::mutex failure_mutex;
-    const auto work = [&] {
-        try {
-            for (int j = next++; j < rows; j = next++) row(j);
-        } catch (...) {
-            const std::lock_guard lock(failure_mutex);
-            if (!failure) failure = std::current_exception();
-            next = rows;
-        }
-    };
-    {
-        std::vector<std::jthread> others;
-        for (int i = 1; i < std::min(threads, rows); ++i) others.emplace_back(work);
-        work();
-    }
-    if (failure) std::rethrow_exception(failure);
-}
-
 class Renderer {
 public:
     Renderer(const Scene& scene, const SceneOptions& options)
@@ -83,7 +57,7 @@ public:
     }
 
     SceneImage run() && {
-        for_each_row(options_.height, options_.threads, [this](int j) {
+        in_parallel(options_.height, options_.threads, [this](int j) {
             for (int i = 0; i < options_.width; ++i) render_pixel(i, j);
         });
         std::sort(image_.channels.begin(), image_.channels.end(),
