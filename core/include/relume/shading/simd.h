@@ -70,6 +70,15 @@ template <Scalar T> RELUME_INLINE void store(float* p, T x) { *p = static_cast<f
 /// `lanes` values; the lanes beyond repeat the last.
 template <Scalar T> RELUME_INLINE T load_partial(const float* p, int) { return T(*p); }
 
+/// Four values by pixel, x y z w x y z w …, of the first `lanes` pixels; `stream` bypasses the cache (16-byte alignment).
+template <Scalar T>
+RELUME_INLINE void store_interleaved(float* p, T x, T y, T z, T w, int, bool) {
+    p[0] = static_cast<float>(x);
+    p[1] = static_cast<float>(y);
+    p[2] = static_cast<float>(z);
+    p[3] = static_cast<float>(w);
+}
+
 #if defined(RELUME_ISA_BATCH)
 
 // ---- batches ------------------------------------------------------------------------------------------------------
@@ -193,6 +202,33 @@ RELUME_INLINE T load_partial(const float* p, int lanes) {
     alignas(64) float padded[kWidth<T>];
     for (int k = 0; k < kWidth<T>; ++k) padded[k] = p[k < lanes ? k : lanes - 1];
     return T::load_aligned(padded);
+}
+
+template <class A>
+RELUME_INLINE void store_interleaved(float* p, Batch<A> x, Batch<A> y, Batch<A> z, Batch<A> w, int lanes, bool stream) {
+    constexpr int kLanes = kWidth<Batch<A>>;
+    alignas(64) float planar[4][kLanes];
+    x.store_aligned(planar[0]);
+    y.store_aligned(planar[1]);
+    z.store_aligned(planar[2]);
+    w.store_aligned(planar[3]);
+#if defined(__SSE2__)
+    if (lanes >= kLanes) [[likely]] {
+        for (int k = 0; k < kLanes; k += 4) {
+            __m128 a = _mm_load_ps(planar[0] + k), b = _mm_load_ps(planar[1] + k), c = _mm_load_ps(planar[2] + k), d = _mm_load_ps(planar[3] + k);
+            _MM_TRANSPOSE4_PS(a, b, c, d);
+            const __m128 pixels[4] = {a, b, c, d};
+            for (int q = 0; q < 4; ++q) {
+                if (stream) _mm_stream_ps(p + 4 * (k + q), pixels[q]);
+                else _mm_storeu_ps(p + 4 * (k + q), pixels[q]);
+            }
+        }
+        return;
+    }
+#endif
+    static_cast<void>(stream);
+    for (int k = 0; k < kLanes && k < lanes; ++k)
+        for (int c = 0; c < 4; ++c) p[4 * k + c] = planar[c][k];
 }
 
 #endif  // RELUME_ISA_BATCH

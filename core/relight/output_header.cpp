@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "relight/output_header.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
+
+#include "gbuffer/gbuffer_impl.h"
+#include "relume/version.h"
+
+namespace relume {
+
+namespace {
+
+/// A layer's name from an AOV's: "light:key.001" becomes "light_key_001", since dots and colons mean something to readers.
+std::string layer_name(std::string name) {
+    for (char& c : name)
+        if (c == '.' || c == ':' || c == ' ') c = '_';
+    return name;
+}
+
+/// Attributes that describe the source's own channels, views or file, and would be wrong in the output.
+bool describes_source(std::string_view name) {
+    constexpr std::array kExact{"multiView", "view", "name", "type", "chunkCount", "tiles", "preview", "envmap", "dwaCompressionLevel"};
+    return name.starts_with("cryptomatte/") || name.starts_with("exr/cryptomatte/") || name.starts_with("relume/") ||
+           std::find(kExact.begin(), kExact.end(), name) != kExact.end();
+}
+
+std::string reasons(const GBuffer& gbuffer) {
+    std::string out;
+    for (const ChannelInfo& info : gbuffer.channels()) {
+        out += info.name + ':';
+        for (const auto& source : info.sources) out += ' ' + source;
+        out += " (" + info.interpretation + "; " + info.reason + ")\n";
+    }
+    for (const auto& note : gbuffer.notes()) out += note + '\n';
+    return out;
+}
+
+std::vector<io::Attribute> metadata(const GBuffer& gbuffer, const Rig& rig) {
+    std::vector<io::Attribute> out;
+    const auto table = output_parameters();
+    if (rig.output.values.choice(table, "metadata") != 0) return out;
+    if (!gbuffer.impl().files.empty()) {
+        const auto& parts = gbuffer.impl().files.front().header.parts;
+        if (!parts.empty())
+            for (const io::Attribute& a : parts.front().attributes)
+                if (!describes_source(a.name)) out.push_back(a);
+    }
+    out.push_back({"relume/version", "string", std::string(version())});
+    out.push_back({"relume/rig", "string", rig.to_toml()});
+    out.push_back({"relume/channels", "string", reasons(gbuffer)});
+    return out;
+}
+
+io::Compression compression_named(std::string_view name) {
+    constexpr std::array kNames{"none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab", "htj2k256", "htj2k32", "zstd"};
+    const auto found = std::find(kNames.begin(), kNames.end(), name);
+    return static_cast<io::Compression>(found - kNames.begin());
+}
+
+/// The name that a choice has in the table.
+std::string_view choice_name(const Rig& rig, std::string_view parameter) {
+    const auto table = output_parameters();
+    const auto row = std::find_if(table.begin(), table.end(), [&](const Parameter& p) { return p.name == parameter; });
+    std::string_view names = row->choices;
+    for (int k = rig.output.values.choice(table, parameter); k > 0; --k) names.remove_prefix(names.find('|') + 1);
+    return names.substr(0, names.find('|'));
+}
+
+}  // namespace
+
+OutputLayout output_layout(const GBuffer& gbuffer, const Rig& rig, const Plan& plan) {
+    OutputLayout out;
+    out.options.compression = compression_named(choice_name(rig, "compression"));
+    out.options.zip_level = static_cast<int>(rig.output.values.number(output_parameters(), "compression_level"));
+    const PixelType type = choice_name(rig, "type") == "float" ? PixelType::float32 : PixelType::half;
+
+    const auto& files = gbuffer.impl().files;
+    const bool multipart = !files.empty() && files.front().header.parts.size() > 1;
+
+    io::Part blank;
+    blank.data_window = gbuffer.data_window();
+    blank.display_window = gbuffer.display_window();
+    blank.pixel_aspect = gbuffer.pixel_aspect();
+    out.header.parts.push_back(blank);
+    out.header.parts.front().attributes = metadata(gbuffer, rig);
+    if (multipart) out.header.parts.front().name = "rgba";
+
+    std::vector<std::vector<std::string>> names(plan.aovs.size());
+    for (std::size_t a = 0; a < plan.aovs.size(); ++a) {
+        const std::string layer = a == 0 ? "" : layer_name(plan.aovs[a].name);
+        for (int k = 0; k < plan.aovs[a].components; ++k)
+            names[a].push_back((layer.empty() ? "" : layer + '.') + "RGBA"[k]);
+        OutputLayout::Slot slot;
+        if (multipart && a > 0) {
+            io::Part part = blank;
+            part.name = layer;
+            out.header.parts.push_back(part);
+            slot.part = static_cast<int>(out.header.parts.size()) - 1;
+        }
+        for (const std::string& name : names[a])
+            out.header.parts[static_cast<std::size_t>(slot.part)].channels.push_back({.name = name, .type = type});
+        out.slots.push_back(slot);
+    }
+    for (io::Part& part : out.header.parts)
+        std::sort(part.channels.begin(), part.channels.end(), [](const io::Channel& a, const io::Channel& b) { return a.name < b.name; });
+    for (std::size_t a = 0; a < plan.aovs.size(); ++a) {
+        const auto& channels = out.header.parts[static_cast<std::size_t>(out.slots[a].part)].channels;
+        for (const std::string& name : names[a]) {
+            const auto found = std::find_if(channels.begin(), channels.end(), [&](const io::Channel& c) { return c.name == name; });
+            out.slots[a].channels.push_back(static_cast<int>(found - channels.begin()));
+        }
+    }
+    return out;
+}
+
+}  // namespace relume

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "relume/relight.h"
+
+#include <algorithm>
+#include <chrono>
+#include <mutex>
+#include <optional>
+
+#include "gbuffer/band_reader.h"
+#include "relight/output_header.h"
+#include "relight/plan.h"
+#include "relight/shade_pass.h"
+#include "relight/workers.h"
+#include "relume/error.h"
+
+namespace relume {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Outputs beyond this many bytes are written past the cache, which they would only flush.
+constexpr std::int64_t kStreamBytes = std::int64_t{8} << 20;
+
+/// Rows of a band at the least.
+constexpr int kLeastRows = 8;
+
+/// What a thread owns.
+struct Worker {
+    explicit Worker(const Plan& plan) : pass(plan) {}
+    ShadePass pass;
+    BandReader::Scratch scratch;
+    std::vector<float> rows;           // output planes of a band, for files
+    std::vector<ConstPlane> channels;
+};
+
+/// One frame's relight over bands of rows; where a band's pixels go is the caller's.
+class Frame {
+public:
+    Frame(const GBuffer& gbuffer, const Rig& rig, const RelightOptions& options)
+        : plan(gbuffer, rig), reader(gbuffer, plan.requests), window(gbuffer.data_window()), options_(options) {
+        if (options.threads < 0) throw Error(ErrorKind::value, "threads must be 0 (all) or more, not " + std::to_string(options.threads));
+        if (window.empty()) throw Error(ErrorKind::value, "the G-buffer has no pixels (" + std::to_string(window.width) + " × " + std::to_string(window.height) + ")");
+    }
+
+    /// `rows_per_band` a multiple of what reader and writer like. `target_of(worker, y, rows)` gives the AOVs' targets,
+    /// planes at the band's first pixel; `done(worker, y, rows)` is called after the band.
+    template <class TargetOf, class Done>
+    void run(int rows_per_band, TargetOf&& target_of, Done&& done, bool stream) {
+        const int bands = (window.height + rows_per_band - 1) / rows_per_band;
+        const int threads = std::clamp(options_.threads > 0 ? options_.threads : default_threads(), 1, std::max(1, bands));
+        std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(threads));
+        std::atomic<int> finished{0};
+        parallel_for(bands, threads, options_.cancel, [&](int w, int band) {
+            auto& worker = workers[static_cast<std::size_t>(w)];
+            if (!worker) worker = std::make_unique<Worker>(plan);
+            const int y = window.y + band * rows_per_band;
+            const int rows = std::min(rows_per_band, window.y_end() - y);
+            reader.load(y, rows, worker->scratch);
+            const std::vector<Target> targets = target_of(*worker, y, rows);
+            shade_rows(*worker, y, rows, targets, stream);
+            done(*worker, y, rows);
+            if (options_.progress) options_.progress(static_cast<double>(++finished) / bands);
+        });
+        for (const auto& worker : workers) {
+            if (!worker) continue;
+            report.shaded += worker->pass.shaded;
+            report.background += worker->pass.background;
+            for (const auto& [name, count] : worker->pass.nonfinite) report.nonfinite[name] += count;
+        }
+        report.pixels = static_cast<std::int64_t>(window.width) * window.height;
+        report.warnings = plan.warnings;
+        report.seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+    }
+
+    const Plan plan;
+    const BandReader reader;
+    const Window window;
+    RelightReport report;
+
+private:
+    void shade_rows(Worker& worker, int y, int rows, const std::vector<Target>& targets, bool stream) {
+        std::vector<Target> at = targets;
+        for (int row = 0; row < rows; ++row) {
+            if (options_.cancel != nullptr && options_.cancel->load(std::memory_order_relaxed)) throw Error(ErrorKind::cancelled, "cancelled");
+            for (int x = 0; x < window.width; x += kTilePixels) {
+                const int count = std::min(kTilePixels, window.width - x);
+                const auto planes = reader.segment(y + row, window.x + x, count, worker.scratch);
+                for (std::size_t a = 0; a < targets.size(); ++a)
+                    for (std::size_t k = 0; k < targets[a].planes.size(); ++k)
+                        at[a].planes[k].data = targets[a].planes[k].data + row * targets[a].planes[k].y_stride + x * targets[a].planes[k].x_stride;
+                worker.pass.shade(planes, count, at, stream);
+            }
+        }
+    }
+
+    const RelightOptions& options_;
+    const Clock::time_point start_ = Clock::now();
+};
+
+void check_target(const AovInfo& aov, const std::vector<Plane>& planes) {
+    const auto wrong = [&](const std::string& what) {
+        throw Error(ErrorKind::value, "output '" + aov.name + "': " + what);
+    };
+    const auto components = static_cast<std::size_t>(aov.components);
+    if (planes.size() != components && !(aov.name == "beauty" && planes.size() == 3))
+        wrong("has " + std::to_string(planes.size()) + " planes, needs " + std::to_string(components));
+    for (const Plane& plane : planes) {
+        if (plane.data == nullptr) wrong("has no memory");
+        if (plane.type == PixelType::uint32) wrong("must be float32 or half");
+    }
+}
+
+}  // namespace
+
+RelightReport relight(const GBuffer& gbuffer, const Rig& rig, const std::map<std::string, std::vector<Plane>>& out,
+                      const RelightOptions& options) {
+    Frame frame(gbuffer, rig, options);
+    const std::vector<AovInfo>& aovs = frame.plan.aovs;
+    for (const auto& [name, planes] : out)
+        if (std::none_of(aovs.begin(), aovs.end(), [&, &wanted = name](const AovInfo& a) { return a.name == wanted; }))
+            throw Error(ErrorKind::value, "output '" + name + "' is none of the rig's pictures; add it to output.aovs");
+    std::vector<Target> whole(aovs.size());
+    for (std::size_t a = 0; a < aovs.size(); ++a) {
+        const auto found = out.find(aovs[a].name);
+        if (found == out.end()) continue;
+        check_target(aovs[a], found->second);
+        whole[a].planes = found->second;
+    }
+    const std::int64_t bytes = static_cast<std::int64_t>(frame.window.width) * frame.window.height * 16;
+    // From memory any height will do: enough rows that a band is worth handing out.
+    const int natural = std::max(1, frame.reader.band_rows());
+    const int rows = (kLeastRows + natural - 1) / natural * natural;
+    frame.run(
+        rows,
+        [&](Worker&, int y, int) {
+            std::vector<Target> targets = whole;
+            for (Target& target : targets)
+                for (Plane& plane : target.planes) plane.data += (y - frame.window.y) * plane.y_stride;
+            return targets;
+        },
+        [](Worker&, int, int) {}, bytes > kStreamBytes);
+    return frame.report;
+}
+
+RelightReport relight_to_file(const GBuffer& gbuffer, const Rig& rig, const std::filesystem::path& path, const RelightOptions& options) {
+    Frame frame(gbuffer, rig, options);
+    const OutputLayout layout = output_layout(gbuffer, rig, frame.plan);
+    io::ExrWriter writer(path, layout.header, layout.options);
+    // A band is whole chunks of the writer, and of the reader where one chunk of it is taller.
+    const int chunk = writer.rows_per_chunk();
+    const int rows = (std::max(frame.reader.band_rows(), chunk) + chunk - 1) / chunk * chunk;
+
+    std::size_t components = 0;
+    for (const AovInfo& aov : frame.plan.aovs) components += static_cast<std::size_t>(aov.components);
+    const auto plane_of = [&](Worker& worker, std::size_t index, int band_rows) {
+        return worker.rows.data() + index * static_cast<std::size_t>(frame.window.width) * static_cast<std::size_t>(band_rows);
+    };
+    const std::ptrdiff_t y_stride = static_cast<std::ptrdiff_t>(frame.window.width) * static_cast<std::ptrdiff_t>(sizeof(float));
+    frame.run(
+        rows,
+        [&](Worker& worker, int, int band_rows) {
+            worker.rows.resize(components * static_cast<std::size_t>(frame.window.width) * static_cast<std::size_t>(rows));
+            std::vector<Target> targets(frame.plan.aovs.size());
+            std::size_t index = 0;
+            for (std::size_t a = 0; a < targets.size(); ++a)
+                for (int k = 0; k < frame.plan.aovs[a].components; ++k)
+                    targets[a].planes.push_back({reinterpret_cast<std::byte*>(plane_of(worker, index++, band_rows)), PixelType::float32, 4, y_stride});
+            return targets;
+        },
+        [&](Worker& worker, int y, int band_rows) {
+            for (std::size_t part = 0; part < layout.header.parts.size(); ++part) {
+                worker.channels.assign(layout.header.parts[part].channels.size(), ConstPlane{});
+                std::size_t index = 0;
+                for (std::size_t a = 0; a < layout.slots.size(); ++a)
+                    for (const int channel : layout.slots[a].channels) {
+                        const float* plane = plane_of(worker, index++, band_rows);
+                        if (layout.slots[a].part == static_cast<int>(part))
+                            worker.channels[static_cast<std::size_t>(channel)] = {reinterpret_cast<const std::byte*>(plane), PixelType::float32, 4, y_stride};
+                    }
+                writer.write(static_cast<int>(part), y, band_rows, worker.channels);
+            }
+        },
+        false);
+    writer.commit();
+    return frame.report;
+}
+
+}  // namespace relume
