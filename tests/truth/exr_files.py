@@ -75,7 +75,7 @@ class Surface:
         return cls(**{name: take(name) for name in _NAMES if name not in ids}, **ids)
 
     def uncovered(self) -> Surface:
-        """Averaged channels divided by coverage and the normal made unit, as at silhouettes of an antialiased G-buffer."""
+        """Averaged channels divided by coverage and the normal made unit: for antialiased G-buffers."""
         coverage = np.where(self.coverage > 0, self.coverage, 1.0)
         length = np.linalg.norm(self.normal, axis=-1, keepdims=True)
         return Surface(
@@ -92,18 +92,28 @@ class Surface:
         )
 
     def interior(self) -> NDArray[np.bool_]:
-        """Pixels whose 3×3 neighbourhood is one fully covered object without a step in depth; the frame's border is out."""
+        """Pixels that are one surface: the 3×3 neighbourhood is one fully covered object without a step in depth, and
+        the stored normal, a mean over the pixel, is unit (the samples saw no crease). The frame's border is out.
+        """
         inside = (self.coverage >= 0.999) & (self.object_id > 0)
+        inside &= np.linalg.norm(self.normal, axis=-1) > 1 - 1e-5
         for j, i in _neighbours():
             inside &= _shifted(self.object_id, j, i) == self.object_id
             inside &= np.abs(_shifted(self.depth, j, i) - self.depth) <= 0.1 * self.depth
-        inside[[0, -1], :] = False
-        inside[:, [0, -1]] = False
-        return inside
+        return inside & self._framed()
 
-    def edges(self) -> NDArray[np.bool_]:
-        """Silhouettes against the background: partly covered pixels that hold a single object, one ring included."""
-        return (self.coverage > 0.001) & (self.coverage < 0.999)
+    def silhouette(self) -> NDArray[np.bool_]:
+        """Partly covered pixels of an antialiased G-buffer that hold one object in front of the background."""
+        one = (self.coverage > 0.001) & (self.coverage < 0.999)
+        for j, i in _neighbours():
+            other = _shifted(self.object_id, j, i)
+            one &= (other == self.object_id) | (other == 0) | (self.object_id == 0)
+        return one & self._framed()
+
+    def _framed(self) -> NDArray[np.bool_]:
+        framed = np.zeros(self.depth.shape, dtype=bool)
+        framed[1:-1, 1:-1] = True
+        return framed
 
 
 def _neighbours() -> Iterable[tuple[int, int]]:

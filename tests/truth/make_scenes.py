@@ -4,8 +4,8 @@
     nice blender -b --factory-startup -P tests/truth/make_scenes.py -- OUTPUT_FOLDER     # Blender 3.4 (apt): orrery
     nice python tests/truth/make_scenes.py OUTPUT_FOLDER                                 # bpy 5.0.1 (PyPI): atelier
 
-Each Blender makes the scene of its own generation. The files that a clone holds (tests/data/blender3, tests/data/blender5)
-came from exactly these commands; two threads need about two minutes each.
+Each Blender makes the scene of its own generation. The files that a clone holds (tests/data/blender3 and blender5) came
+from exactly these commands; two threads need less than a minute each.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def _passes(levels: int) -> None:
     for name in scene_builder.AOVS:
         aov = layer.aovs.add()
         aov.name = name
-        aov.type = "COLOR" if scene_builder._is_color(name) else "VALUE"
+        aov.type = "COLOR" if scene_builder.is_color(name) else "VALUE"
 
 
 def _enable(lights: list[str]) -> None:
@@ -81,7 +81,7 @@ def _write(path: Path, multilayer: bool) -> None:
     settings.color_depth = "16"
     settings.exr_codec = "ZIP"
     if scene_builder.BLENDER5:
-        # One part per pass is Blender 5's default, but it cannot write one with a pixel aspect (the parts disagree on it).
+        # One part per pass is Blender 5's default, but it fails with a pixel aspect (the parts disagree on it).
         settings.use_exr_interleave = not multilayer or scene.render.pixel_aspect_x != scene.render.pixel_aspect_y
     scene.render.filepath = str(path)
     bpy.ops.render.render(write_still=True)
@@ -139,8 +139,8 @@ def _describe(name: str, scene: dict[str, Any]) -> dict[str, Any]:
 def _plan(scene: dict[str, Any]) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """G-buffers and images to render: which camera, filter, light and material variant.
 
-    One light at a time: with several, Cycles picks one per sample at random, and the sum of the single images is cleaner
-    than any affordable image of all.
+    One light at a time: with several, Cycles picks one per sample at random, and the sum of the single images is
+    cleaner than any affordable image of all.
     """
     gbuffers = [
         {"camera": "main", "filter": "point", "samples": 4, "film_transparent": False, "cryptomatte_levels": 2},

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# ruff: noqa: E741 (l is the direction to the light, as everywhere in this project)
 """Direct light on a G-buffer in double precision: the formulas that Cycles follows, written independently of the core.
 
 Vectors n, v, l are unit, point away from the surface, world space, shape (..., 3). BRDFs return f·NdotL (1/sr), lights
@@ -39,15 +40,15 @@ def _lambda(alpha2: Array, cosine: Array) -> Array:
     return 0.5 * (np.sqrt(1 + alpha2 * (1 - cosine2) / cosine2) - 1)
 
 
-def ggx(n: Array, v: Array, l: Array, roughness: Array, *, correlated: bool) -> Array:  # noqa: E741
-    """D·G/(4·NdotV): the GGX lobe without Fresnel, NdotL included. Walter 2007 eq. 33; G separable or height-correlated.
+def ggx(n: Array, v: Array, l: Array, roughness: Array, *, correlated: bool) -> Array:
+    """D·G/(4·NdotV): the GGX lobe without Fresnel, NdotL included. Walter 2007 eq. 33; G separable or correlated.
 
     0 at alpha² ≤ 1e-7, where Cycles makes the lobe a mirror that no delta light reaches.
     """
     alpha2 = roughness**4
     h = normalized(v + l)
     sine2 = dot(np.cross(n, h), np.cross(n, h))  # Lagrange: no cancellation near the peak
-    d = alpha2 / (np.pi * np.maximum(sine2 + alpha2 * dot(n, h) ** 2, 1e-300) ** 2)
+    d = alpha2 / (np.pi * np.maximum(sine2 + alpha2 * dot(n, h) ** 2, 1e-150) ** 2)
     at_v, at_l = _lambda(alpha2, dot(n, v)), _lambda(alpha2, dot(n, l))
     g = 1 / (1 + at_v + at_l) if correlated else 1 / ((1 + at_v) * (1 + at_l))
     return np.where(alpha2 > 1e-7, d * g / (4 * np.maximum(dot(n, v), 1e-8)), 0.0)
@@ -74,11 +75,11 @@ class Material:
     specular: Array
 
 
-def lambert(n: Array, l: Array, m: Material) -> Array:  # noqa: E741
+def lambert(n: Array, l: Array, m: Material) -> Array:
     return m.base / np.pi * dot(n, l)[..., None]
 
 
-def lambert_ggx(n: Array, v: Array, l: Array, m: Material, *, correlated: bool) -> Array:  # noqa: E741
+def lambert_ggx(n: Array, v: Array, l: Array, m: Material, *, correlated: bool) -> Array:
     """Lambert of base·(1 − metallic) + GGX with constant F = lerp(0.08·specular, base, metallic)."""
     metallic = m.metallic[..., None]
     f = 0.08 * m.specular[..., None] * (1 - metallic) + m.base * metallic
@@ -86,7 +87,7 @@ def lambert_ggx(n: Array, v: Array, l: Array, m: Material, *, correlated: bool) 
     return diffuse + f * ggx(n, v, l, m.roughness, correlated=correlated)[..., None]
 
 
-def blender3(n: Array, v: Array, l: Array, m: Material) -> Array:  # noqa: E741
+def blender3(n: Array, v: Array, l: Array, m: Material) -> Array:
     """Principled BSDF of Blender ≤ 3.6, distribution GGX: Burley 2012 diffuse + GGX with a Fresnel of its own."""
     metallic = m.metallic[..., None]
     nl, nv, lh = dot(n, l), dot(n, v), dot(l, normalized(v + l))
@@ -103,7 +104,7 @@ def blender3(n: Array, v: Array, l: Array, m: Material) -> Array:  # noqa: E741
     return diffuse + (c0 + (1 - c0) * rise) * ggx(n, v, l, m.roughness, correlated=False)[..., None]
 
 
-def bump_terminator(n: Array, l: Array, smooth: Array) -> Array:  # noqa: E741
+def bump_terminator(n: Array, l: Array, smooth: Array) -> Array:
     """Factor that Cycles 3 puts on the diffuse closure of a bumped surface; `smooth` is the normal before the bump."""
     g = dot(smooth, l) / (dot(n, l) * dot(smooth, n))
     return np.where(g >= 1, 1.0, np.where(g <= 0, 0.0, -(g**3) + g**2 + g))
@@ -115,8 +116,8 @@ def bump_terminator(n: Array, l: Array, smooth: Array) -> Array:  # noqa: E741
 def illuminate(light: dict[str, Any], position: Array, *, generation: int) -> tuple[Array, Array]:
     """Unit vector to the light (..., 3) and irradiance perpendicular to it (..., 3), from Blender's own numbers.
 
-    SUN: energy is W/m². POINT: energy P in W, intensity P/4π. SPOT: the same times smoothstep over the cosine; Blender 3
-    multiplies by the cosine to the axis besides.
+    SUN: energy is W/m². POINT: energy P in W, intensity P/4π. SPOT: the same times smoothstep over the cosine;
+    Blender 3 multiplies by the cosine to the axis besides.
     """
     color = np.asarray(light["color"], dtype=np.float64)
     if light["type"] == "SUN":
@@ -140,7 +141,13 @@ def illuminate(light: dict[str, Any], position: Array, *, generation: int) -> tu
 
 
 def shade(
-    surface: Surface, eye: Array, light: dict[str, Any], model: Model, *, generation: int, lambert_ids: tuple[int, ...] = ()
+    surface: Surface,
+    eye: Array,
+    light: dict[str, Any],
+    model: Model,
+    *,
+    generation: int,
+    lambert_ids: tuple[int, ...] = (),
 ) -> tuple[Array, Array]:
     """Radiance (H, W, 3) of one light without shadows, 0 where there is no surface; and N·L (H, W).
 
@@ -148,7 +155,7 @@ def shade(
     """
     n = normalized(surface.normal)
     v = normalized(eye - surface.position)
-    l, irradiance = illuminate(light, surface.position, generation=generation)  # noqa: E741
+    l, irradiance = illuminate(light, surface.position, generation=generation)
     material = Material(surface.albedo, surface.roughness, surface.metallic, surface.specular)
     if model == "blender3":
         f = blender3(n, v, l, material)

@@ -17,18 +17,27 @@ GENERATION = 5 if BLENDER5 else 3
 _INPUTS = {
     3: {"albedo": "Base Color", "metallic": "Metallic", "roughness": "Roughness", "specular": "Specular"},
     5: {
-        "albedo": "Base Color", "metallic": "Metallic", "roughness": "Roughness", "ior": "IOR",
-        "specular_ior_level": "Specular IOR Level", "specular_tint": "Specular Tint",
-        "diffuse_roughness": "Diffuse Roughness", "coat_weight": "Coat Weight", "coat_roughness": "Coat Roughness",
-        "coat_ior": "Coat IOR", "coat_tint": "Coat Tint", "sheen_weight": "Sheen Weight",
-        "sheen_roughness": "Sheen Roughness", "sheen_tint": "Sheen Tint",
+        "albedo": "Base Color",
+        "metallic": "Metallic",
+        "roughness": "Roughness",
+        "ior": "IOR",
+        "specular_ior_level": "Specular IOR Level",
+        "specular_tint": "Specular Tint",
+        "diffuse_roughness": "Diffuse Roughness",
+        "coat_weight": "Coat Weight",
+        "coat_roughness": "Coat Roughness",
+        "coat_ior": "Coat IOR",
+        "coat_tint": "Coat Tint",
+        "sheen_weight": "Sheen Weight",
+        "sheen_roughness": "Sheen Roughness",
+        "sheen_tint": "Sheen Tint",
     },
 }[GENERATION]
 AOVS = tuple(_INPUTS)
 SPECULAR = "specular_ior_level" if BLENDER5 else "specular"
 
 
-def _is_color(name: str) -> bool:
+def is_color(name: str) -> bool:
     return name == "albedo" or name.endswith("_tint")
 
 
@@ -160,7 +169,7 @@ def build_material(name: str, spec: dict[str, Any], index: int, variant: str) ->
     full = DEFAULTS[GENERATION] | spec
     values = {}
     for key in AOVS:
-        value, color = full[key], _is_color(key)
+        value, color = full[key], is_color(key)
         textured = isinstance(value, tuple) and value[0] == "noise"
         values[key] = _noise(tree, *value[1:], color) if textured else _constant(tree, value, color)
         aov = tree.nodes.new("ShaderNodeOutputAOV")
