@@ -22,7 +22,7 @@ def bench(arguments: list[str]) -> int:
 def truth(arguments: list[str]) -> int:
     """Compare with renderers' own images; writes docs/truth.md and difference pictures"""
     build.build("release")
-    return replace_process([PYTHON, str(ROOT / "tests" / "truth" / "truth.py"), *arguments], build.python_environment())
+    return replace_process([PYTHON, str(ROOT / "tests" / "truth" / "run.py"), *arguments], build.python_environment())
 
 
 def docs(arguments: list[str]) -> int:
