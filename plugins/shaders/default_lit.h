@@ -37,7 +37,8 @@ struct DefaultLit {
 
     template <class T>
     struct Prepared : PreparedTerms<T, 3> {
-        T alpha, alpha2;
+        T alpha2, weight;  // weight = alpha²/(2π)
+        JointApproximation<T> joint;
         T anisotropy;
         T alpha_x, alpha_y;
         Vec3<T> tangent, bitangent;
@@ -56,15 +57,17 @@ struct DefaultLit {
         out.color[2] = splat(saturate(constant<T>(50) * f0.y));  // F90, Karis 2013
         out.ambient = out.color[0];
         out.emission = p.emission;
-        out.alpha = alpha_from_roughness(p.roughness);
-        out.alpha2 = out.alpha * out.alpha;
+        const T alpha = alpha_from_roughness(p.roughness);
+        out.alpha2 = alpha * alpha;
+        out.weight = out.alpha2 * constant<T>(0.5 * kInvPi);
+        out.joint = joint_approximation(alpha, g.n_dot_v);
         out.anisotropy = clamp(p.anisotropy, -one, one);
         out.any_anisotropic = any(out.anisotropy != T(0.f));
         if (out.any_anisotropic) {
             tangent_frame(g, out.tangent, out.bitangent);
             const T least = constant<T>(kMinAlpha);
-            out.alpha_x = max(out.alpha * (one + out.anisotropy), least);
-            out.alpha_y = max(out.alpha * (one - out.anisotropy), least);
+            out.alpha_x = max(alpha * (one + out.anisotropy), least);
+            out.alpha_y = max(alpha * (one - out.anisotropy), least);
             out.length_v = stretched_length(out, g.v, g.n_dot_v);
         }
         return out;
@@ -80,12 +83,11 @@ struct DefaultLit {
     static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options&, const Geometry<T>& g, const LightSample<T>& s, T (&w)[3]) {
         const HalfVector<T> h = half_vector(g, s);
         const T n_dot_l = max(s.n_dot_l, T(0.f));
-        const T bracket = ggx_bracket(m.alpha2, h.sin2_h);
-        const T denominator = bracket * bracket * joint_approximation(m.alpha, n_dot_l, g.n_dot_v);
-        T lobe = m.alpha2 * constant<T>(0.5 * kInvPi) * n_dot_l * rcp(denominator);  // D·V·NdotL
+        const T bracket = ggx_bracket(m.alpha2, h.sin2_h());
+        T lobe = m.weight * n_dot_l * rcp(bracket * bracket * m.joint.denominator(n_dot_l));  // D·V·NdotL
         if (m.any_anisotropic) {
             const Vec3<T> hd = half_direction(g, s, h);
-            const T d = ggx_distribution_anisotropic(m.alpha_x, m.alpha_y, dot(m.tangent, hd), dot(m.bitangent, hd), h.n_dot_h * h.n_dot_h);
+            const T d = ggx_distribution_anisotropic(m.alpha_x, m.alpha_y, dot(m.tangent, hd), dot(m.bitangent, hd), square(h.n_dot_h()));
             const T v = constant<T>(0.5) * rcp(max(fma(n_dot_l, m.length_v, g.n_dot_v * stretched_length(m, s.l, n_dot_l)), constant<T>(1e-12)));
             lobe = select(m.anisotropy != T(0.f), d * v * n_dot_l, lobe);
         }

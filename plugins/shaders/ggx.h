@@ -65,7 +65,7 @@ struct Ggx {
     static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options&, const Geometry<T>& g, const LightSample<T>& s, T (&w)[3]) {
         const HalfVector<T> h = half_vector(g, s);
         const T n_dot_l = max(s.n_dot_l, T(0.f));
-        const T t = ggx_bracket(m.alpha2, h.sin2_h);
+        const T t = ggx_bracket(m.alpha2, h.sin2_h());
         const T lobe = m.weight * n_dot_l * rcp(t * t * fma(n_dot_l, T(1.f) - m.k, m.k));
         const T fresnel = schlick_weight(h.v_dot_h);
         w[0] = n_dot_l;

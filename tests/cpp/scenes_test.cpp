@@ -261,9 +261,11 @@ TEST(ScenesTest, FilesHoldWhatWasRendered) {
             reader.read(image.window, {&target, 1});
             EXPECT_EQ(pixels, image.channels[c].pixels) << image.channels[c].name;
         }
-        for (const auto& [key, value] : image.attributes) {
-            const auto same = [&](const io::Attribute& a) { return a.name == key && std::get<std::string>(a.value) == value; };
-            EXPECT_EQ(std::ranges::count_if(part.attributes, same), 1) << key;
+        for (const auto& entry : image.attributes) {
+            const auto same = [&](const io::Attribute& a) {
+                return a.name == entry.first && std::get<std::string>(a.value) == entry.second;
+            };
+            EXPECT_EQ(std::ranges::count_if(part.attributes, same), 1) << entry.first;
         }
     }
     EXPECT_THROW(write_scene("sdf", folder / "none" / "sdf.exr", {.width = 4, .height = 4}), Error);

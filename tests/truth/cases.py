@@ -105,6 +105,7 @@ def _reference(case: Case, surface: Surface) -> tuple[Array | None, Array]:
             model or "lambert",
             generation=scene.generation,
             lambert_ids=scene.lambert_ids,
+            bump_ids=scene.bump_ids,
         )
         total += image
         least = np.minimum(least, lit)
@@ -142,6 +143,6 @@ def run(case: Case, folder: Path) -> Result:
         surface=surface,
         renderer=compare(image, truth, surface, least, scene.materials, scene.generation),
         edges=compare_edges(image, truth, surface) if case.kind == "aa" else None,
-        double=None if double is None else relative_to(image, double, surface, least),
+        double=None if double is None else relative_to(image, double, surface, least, scene.bump_ids),
         floor=None if double is None else measure_reference(case),
     )

@@ -23,6 +23,7 @@ _NAMES: dict[str, tuple[str, ...]] = {
     "position": ("Position.X", "Position.Y", "Position.Z"),
     "albedo": ("albedo.R", "albedo.G", "albedo.B"),
     "coverage": ("albedo.A",),
+    "smooth": ("geometric_normal.R", "geometric_normal.G", "geometric_normal.B"),
     "depth": ("Depth.Z",),
     "roughness": ("roughness.X",),
     "metallic": ("metallic.X",),
@@ -60,6 +61,7 @@ class Surface:
     roughness: Array
     metallic: Array
     specular: Array
+    smooth: Array | None  # the normal before the bump, where an AOV holds it
     object_id: NDArray[np.int64]
     material_id: NDArray[np.int64]
 
@@ -67,8 +69,12 @@ class Surface:
     def read(cls, path: Path) -> Surface:
         channels = read_channels(path)
 
-        def take(name: str) -> Array:
+        def take(name: str) -> Array | None:
             found = [channels[candidate] for candidate in _NAMES[name] if candidate in channels]
+            if not found:
+                if name == "smooth":
+                    return None
+                raise ValueError(f"{path}: none of the channels {', '.join(_NAMES[name])}")
             return np.stack(found, axis=-1) if len(found) == 3 else found[0]
 
         ids = {name: np.rint(take(name)).astype(np.int64) for name in ("object_id", "material_id")}
@@ -87,6 +93,7 @@ class Surface:
             roughness=self.roughness / coverage,
             metallic=self.metallic / coverage,
             specular=self.specular / coverage,
+            smooth=None if self.smooth is None else self.smooth / coverage[..., None],
             object_id=self.object_id,
             material_id=self.material_id,
         )

@@ -79,16 +79,16 @@ def lambert(n: Array, l: Array, m: Material) -> Array:
     return m.base / np.pi * dot(n, l)[..., None]
 
 
-def lambert_ggx(n: Array, v: Array, l: Array, m: Material, *, correlated: bool) -> Array:
-    """Lambert of base·(1 − metallic) + GGX with constant F = lerp(0.08·specular, base, metallic)."""
+def lambert_ggx(n: Array, v: Array, l: Array, m: Material, *, correlated: bool) -> tuple[Array, Array]:
+    """Diffuse, specular: Lambert of base·(1 − metallic); GGX with constant F = lerp(0.08·specular, base, metallic)."""
     metallic = m.metallic[..., None]
     f = 0.08 * m.specular[..., None] * (1 - metallic) + m.base * metallic
     diffuse = m.base * (1 - metallic) / np.pi * dot(n, l)[..., None]
-    return diffuse + f * ggx(n, v, l, m.roughness, correlated=correlated)[..., None]
+    return diffuse, f * ggx(n, v, l, m.roughness, correlated=correlated)[..., None]
 
 
-def blender3(n: Array, v: Array, l: Array, m: Material) -> Array:
-    """Principled BSDF of Blender ≤ 3.6, distribution GGX: Burley 2012 diffuse + GGX with a Fresnel of its own."""
+def blender3(n: Array, v: Array, l: Array, m: Material) -> tuple[Array, Array]:
+    """Diffuse, specular of the Principled BSDF of Blender ≤ 3.6: Burley 2012; GGX with a Fresnel of its own."""
     metallic = m.metallic[..., None]
     nl, nv, lh = dot(n, l), dot(n, v), dot(l, normalized(v + l))
     fl, fv = (1 - nl) ** 5, (1 - nv) ** 5
@@ -101,13 +101,24 @@ def blender3(n: Array, v: Array, l: Array, m: Material) -> Array:
     # ior = 1 (specular 0): no interface, its rise is taken as 0 rather than 0/0.
     rise = np.where(ior > 1, (dielectric_fresnel(lh, ior) - at_normal) / (1 - at_normal), 0.0)[..., None]
     c0 = 0.08 * m.specular[..., None] * (1 - metallic) + m.base * metallic
-    return diffuse + (c0 + (1 - c0) * rise) * ggx(n, v, l, m.roughness, correlated=False)[..., None]
+    return diffuse, (c0 + (1 - c0) * rise) * ggx(n, v, l, m.roughness, correlated=False)[..., None]
 
 
-def bump_terminator(n: Array, l: Array, smooth: Array) -> Array:
-    """Factor that Cycles 3 puts on the diffuse closure of a bumped surface; `smooth` is the normal before the bump."""
-    g = dot(smooth, l) / (dot(n, l) * dot(smooth, n))
-    return np.where(g >= 1, 1.0, np.where(g <= 0, 0.0, -(g**3) + g**2 + g))
+def bump_terminator(n: Array, l: Array, smooth: Array, *, generation: int) -> Array:
+    """Factor that Cycles puts on the diffuse closure of a bumped surface; `smooth` is the normal before the bump.
+
+    Blender 3: a cubic in g = (smooth·l)/((n·l)(smooth·n)); Blender 5: Estevez et al. 2019, after Smith's shadowing.
+    """
+    over = dot(smooth, l)
+    if generation == 3:
+        g = over / np.maximum(dot(n, l) * dot(smooth, n), 1e-12)
+        return np.where(g >= 1, 1.0, np.where(g <= 0, 0.0, -(g**3) + g**2 + g))
+
+    def tangent2(cosine: Array) -> Array:
+        return 1 / np.clip(cosine, 1e-6, 1.0) ** 2 - 1
+
+    k = np.clip(tangent2(dot(n, smooth)) / 8, 0, 1)
+    return np.where(over <= 0, 0.0, 2 / (1 + np.sqrt(1 + k * tangent2(over))))
 
 
 # --------------------------------------------------------------------- lights
@@ -148,23 +159,29 @@ def shade(
     *,
     generation: int,
     lambert_ids: tuple[int, ...] = (),
+    bump_ids: tuple[int, ...] = (),
 ) -> tuple[Array, Array]:
     """Radiance (H, W, 3) of one light without shadows, 0 where there is no surface; and N·L (H, W).
 
-    `lambert_ids` are the material IDs that are plain Lambert whatever `model` says.
+    `lambert_ids` are the material IDs that are plain Lambert whatever `model` says; `bump_ids` those that get the bump
+    terminator, where the G-buffer has the normal before the bump.
     """
     n = normalized(surface.normal)
     v = normalized(eye - surface.position)
     l, irradiance = illuminate(light, surface.position, generation=generation)
     material = Material(surface.albedo, surface.roughness, surface.metallic, surface.specular)
+    plain = lambert(n, l, material)
     if model == "blender3":
-        f = blender3(n, v, l, material)
+        diffuse, specular = blender3(n, v, l, material)
     elif model == "lambertggx":
-        f = lambert_ggx(n, v, l, material, correlated=generation >= 5)
+        diffuse, specular = lambert_ggx(n, v, l, material, correlated=generation >= 5)
     else:
-        f = lambert(n, l, material)
-    plain = np.isin(surface.material_id, lambert_ids)
-    f = np.where(plain[..., None], lambert(n, l, material), f)
+        diffuse, specular = plain, np.zeros_like(plain)
+    if surface.smooth is not None and bump_ids:
+        factor = bump_terminator(n, l, normalized(surface.smooth), generation=generation)
+        bumped = np.isin(surface.material_id, bump_ids)
+        diffuse = diffuse * np.where(bumped, factor, 1.0)[..., None]
+    f = np.where(np.isin(surface.material_id, lambert_ids)[..., None], plain, diffuse + specular)
     lit = dot(n, l)
     seen = (dot(n, v) > 0) & (lit > 0) & (dot(surface.normal, surface.normal) > 0)
     return np.where(seen[..., None], f * irradiance, 0.0), lit

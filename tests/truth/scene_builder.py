@@ -33,12 +33,12 @@ _INPUTS = {
         "sheen_tint": "Sheen Tint",
     },
 }[GENERATION]
-AOVS = tuple(_INPUTS)
+AOVS = (*_INPUTS, "geometric_normal")
 SPECULAR = "specular_ior_level" if BLENDER5 else "specular"
 
 
 def is_color(name: str) -> bool:
-    return name == "albedo" or name.endswith("_tint")
+    return name in ("albedo", "geometric_normal") or name.endswith("_tint")
 
 
 def _waves(name: str, size: tuple[float, float]) -> Any:
@@ -159,6 +159,15 @@ def _lambert_ggx(tree: Any, values: dict[str, Any], specular: float) -> tuple[An
     return add.outputs[0], [diffuse, glossy]
 
 
+def _add_aov(tree: Any, name: str, value: Any) -> None:
+    aov = tree.nodes.new("ShaderNodeOutputAOV")
+    if hasattr(aov, "aov_name"):
+        aov.aov_name = name
+    else:
+        aov.name = name  # Blender 3
+    tree.links.new(value, aov.inputs["Color" if is_color(name) else "Value"])
+
+
 def build_material(name: str, spec: dict[str, Any], index: int, variant: str) -> None:
     """(Re)build one material; variant is "principled" or "lambertggx"."""
     material = bpy.data.materials.get(name) or bpy.data.materials.new(name)
@@ -168,16 +177,13 @@ def build_material(name: str, spec: dict[str, Any], index: int, variant: str) ->
     tree.nodes.clear()
     full = DEFAULTS[GENERATION] | spec
     values = {}
-    for key in AOVS:
+    for key in _INPUTS:
         value, color = full[key], is_color(key)
         textured = isinstance(value, tuple) and value[0] == "noise"
         values[key] = _noise(tree, *value[1:], color) if textured else _constant(tree, value, color)
-        aov = tree.nodes.new("ShaderNodeOutputAOV")
-        if hasattr(aov, "aov_name"):
-            aov.aov_name = key
-        else:
-            aov.name = key
-        tree.links.new(values[key], aov.inputs["Color" if color else "Value"])
+        _add_aov(tree, key, values[key])
+    # The smooth normal before the bump, which no pass carries: Cycles' bump terminator depends on it.
+    _add_aov(tree, "geometric_normal", tree.nodes.new("ShaderNodeNewGeometry").outputs["Normal"])
     if spec.get("bsdf") == "diffuse":
         node = tree.nodes.new("ShaderNodeBsdfDiffuse")
         node.inputs["Roughness"].default_value = 0.0

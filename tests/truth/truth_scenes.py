@@ -42,6 +42,10 @@ class Scene:
     def lambert_ids(self) -> tuple[int, ...]:
         return tuple(material.index for material in self.materials if material.lambert)
 
+    @property
+    def bump_ids(self) -> tuple[int, ...]:
+        return tuple(material.index for material in self.materials if material.kind == "bump")
+
     def lights_of(self, camera: str, kind: str, variant: str) -> list[str]:
         """Lights that have an image of their own, in the scene's order."""
         return [light for light in self.lights if (camera, kind, light, variant) in self.images]

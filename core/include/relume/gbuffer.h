@@ -34,6 +34,7 @@ struct ChannelRule {
     std::optional<double> far;
     std::optional<bool> invert;          ///< glossiness: roughness = 1 − value
     std::optional<bool> premultiplied;   ///< averaged over the pixel together with the background's 0: divide by coverage
+    bool operator==(const ChannelRule&) const = default;
 };
 
 /// Everything that detection may be told: the rig's [gbuffer] and [camera] sections, Python arguments and flags.
@@ -52,6 +53,7 @@ struct GBufferOptions {
     std::optional<double> width;                          ///< orthographic: world units across the display window
 
     std::int64_t max_pixels = std::int64_t{1} << 30;
+    bool operator==(const GBufferOptions&) const = default;
 };
 
 /// What was understood of one semantic channel.

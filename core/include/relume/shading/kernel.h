@@ -25,6 +25,18 @@ constexpr int term_count() {
     else return 0;
 }
 
+/// Whether a model can have light in that lobe at all.
+template <class S>
+constexpr bool has_lobe(Lobe lobe) {
+    if constexpr (HasTerms<S>) {
+        for (const Lobe term : S::terms)
+            if (term == lobe) return true;
+        return false;
+    } else {
+        return true;
+    }
+}
+
 template <class S> inline constexpr int kFloatSlots = static_cast<int>(sizeof(typename S::template Params<float>) / sizeof(float));
 template <class S> inline constexpr int kOptionSlots =
     std::is_empty_v<typename S::Options> ? 0 : static_cast<int>(sizeof(typename S::Options) / sizeof(std::int32_t));
@@ -100,18 +112,33 @@ RELUME_INLINE Vec3<T> light_direction(const DirectLight& light, const Vec3<T>& p
     return l;
 }
 
+/// Where a tile's parameters come from, without a branch: slot k of pixel i is at base[k] + (i & mask[k]), a constant's
+/// mask is 0 and its base a batch of copies.
 template <class S, class T>
-RELUME_INLINE void load_params(typename S::template Params<T>& params, const ShaderTile& tile, int i, T& poison) {
-    T* slots = reinterpret_cast<T*>(&params);
-    static_for<kFloatSlots<S>>([&](auto k) RELUME_INLINE_LAMBDA {
-        const float* plane = tile.slots[k];
-        if (plane == nullptr) {
-            slots[k] = T(tile.constants[k]);
-        } else {
-            slots[k] = load<T>(plane + i);
-            poison = fma(slots[k], T(0.f), poison);
+struct SlotSources {
+    static constexpr int kSlots = kFloatSlots<S>;
+    const float* base[kSlots];
+    std::ptrdiff_t mask[kSlots];
+    alignas(64) float copies[kSlots][kWidth<T>];
+
+    RELUME_INLINE explicit SlotSources(const ShaderTile& tile) {
+        for (int k = 0; k < kSlots; ++k) {
+            for (float& copy : copies[k]) copy = tile.constants[k];
+            base[k] = tile.slots[k] != nullptr ? tile.slots[k] : copies[k];
+            mask[k] = tile.slots[k] != nullptr ? -1 : 0;
         }
+    }
+};
+
+template <class S, class T>
+RELUME_INLINE T load_params(typename S::template Params<T>& params, const SlotSources<S, T>& from, int i) {
+    T* slots = reinterpret_cast<T*>(&params);
+    T poison[2] = {T(0.f), T(0.f)};  // two chains: one would be as long as the shading
+    static_for<kFloatSlots<S>>([&](auto k) RELUME_INLINE_LAMBDA {
+        slots[k] = load<T>(from.base[k] + (i & from.mask[k]));
+        poison[k % 2] = fma(slots[k], T(0.f), poison[k % 2]);
     });
+    return poison[0] + poison[1];
 }
 
 template <class T>
@@ -155,28 +182,18 @@ RELUME_INLINE Lobes<T> evaluate_lobes(const typename S::template Prepared<T>& pr
 }
 
 template <class T>
-RELUME_INLINE void write_outputs(const ShaderTile& tile, int i, const Color<T> (&lobes)[3], const Color<T>& emission, T weight) {
-    const auto put = [&](float* plane, T value) RELUME_INLINE_LAMBDA {
-        if (tile.accumulate) value = value + load<T>(plane + i);
-        store(plane + i, value);
-    };
-    if (tile.total[0] != nullptr) {
-        const Color<T> total = add(add(lobes[0], lobes[1]), add(lobes[2], emission));
-        put(tile.total[0], total.x * weight);
-        put(tile.total[1], total.y * weight);
-        put(tile.total[2], total.z * weight);
-    }
-    static_for<3>([&](auto k) RELUME_INLINE_LAMBDA {
-        if (tile.lobe[k][0] == nullptr) return;
-        put(tile.lobe[k][0], lobes[k].x * weight);
-        put(tile.lobe[k][1], lobes[k].y * weight);
-        put(tile.lobe[k][2], lobes[k].z * weight);
-    });
+RELUME_INLINE void put3(float* const (&planes)[3], int i, Color<T> value, const T* weight, bool accumulate) {
+    if (weight != nullptr) value = scale(value, *weight);
+    if (accumulate) value = add(value, {load<T>(planes[0] + i), load<T>(planes[1] + i), load<T>(planes[2] + i)});
+    store(planes[0] + i, value.x);
+    store(planes[1] + i, value.y);
+    store(planes[2] + i, value.z);
 }
 
 /// Pixels [i, i + kWidth) of the tile. Returns how many of the first `lanes` read NaN or infinity.
 template <class S, class T>
-RELUME_INLINE int shade_batch(const ShaderTile& tile, const typename S::Options& options, int i, int mask_offset, int lanes) {
+RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& sources, const typename S::Options& options, int i,
+                              int mask_offset, int lanes) {
     const T zero(0.f), one(1.f);
     T poison = zero;  // becomes NaN in lanes that read NaN or infinity
     Geometry<T> g;
@@ -213,7 +230,7 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const typename S::Options&
     }
 
     typename S::template Params<T> params;
-    load_params<S, T>(params, tile, i, poison);
+    poison = poison + load_params<S, T>(params, sources, i);
     const auto prepared = S::prepare(params, options, g);
 
     constexpr bool kSum = HasTerms<S> && term_count<S>() <= kMaxSummedTerms;
@@ -254,10 +271,18 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const typename S::Options&
     } else {
         static_for<3>([&](auto k) RELUME_INLINE_LAMBDA { lobes[k] = sums[k]; });
     }
-    if constexpr (!S::lit_from_below) {  // a lobe is 0 where the viewer is below
-        const T front = select(n_dot_v > zero, one, zero);
-        static_for<3>([&](auto k) RELUME_INLINE_LAMBDA { lobes[k] = scale(lobes[k], front); });
-    }
+    // Catches what overflowed on the way as well. Selects, not products: an invalid lane may hold NaN.
+    Color<T> sum = prepared.emission;
+    static_for<3>([&](auto k) RELUME_INLINE_LAMBDA {
+        if constexpr (has_lobe<S>(static_cast<Lobe>(int(k)))) sum = add(sum, lobes[k]);
+    });
+    poison = fma(sum.x + sum.y + sum.z, zero, poison);
+    const MaskOf<T> valid = surface && !is_nan(poison);
+    MaskOf<T> lit = valid;
+    if constexpr (!S::lit_from_below) lit = valid && n_dot_v > zero;  // a lobe is 0 where the viewer is below
+    static_for<3>([&](auto k) RELUME_INLINE_LAMBDA {
+        if constexpr (has_lobe<S>(static_cast<Lobe>(int(k)))) lobes[k] = select(lit, lobes[k], splat(zero));
+    });
 
     if (tile.ambient_count > 0) {
         Color<T> irradiance = splat(zero);
@@ -270,17 +295,26 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const typename S::Options&
             irradiance.y = fma(m, lerp(T(light->low[1]), T(light->high[1]), w), irradiance.y);
             irradiance.z = fma(m, lerp(T(light->low[2]), T(light->high[2]), w), irradiance.z);
         }
-        lobes[0] = fma(mul(prepared.ambient, irradiance), g.ambient_occlusion, lobes[0]);
+        const Color<T> reflected = scale(mul(prepared.ambient, irradiance), g.ambient_occlusion);
+        lobes[0] = add(lobes[0], select(valid, reflected, splat(zero)));
     }
 
-    // Catches what overflowed on the way as well. A select, not a product: an invalid lane may hold NaN.
-    const Color<T> sum = add(add(lobes[0], lobes[1]), lobes[2]);
-    poison = fma(sum.x + sum.y + sum.z, zero, poison);
-    const MaskOf<T> valid = surface && !is_nan(poison);
-    const T weight = tile.weight != nullptr ? load<T>(tile.weight + i) : one;
-    static_for<3>([&](auto k) RELUME_INLINE_LAMBDA { lobes[k] = select(valid, lobes[k], splat(zero)); });
-    const Color<T> emission = select(valid, tile.emission ? prepared.emission : splat(zero), splat(zero));
-    write_outputs(tile, i, lobes, emission, weight);
+    T weight_value = one;
+    const T* weight = nullptr;
+    if (tile.weight != nullptr) {
+        weight_value = load<T>(tile.weight + i);
+        weight = &weight_value;
+    }
+    if (tile.total[0] != nullptr) {
+        Color<T> total = lobes[0];
+        if constexpr (has_lobe<S>(Lobe::specular)) total = add(total, lobes[1]);
+        if constexpr (has_lobe<S>(Lobe::transmission)) total = add(total, lobes[2]);
+        if (tile.emission) total = add(total, select(valid, prepared.emission, splat(zero)));
+        put3(tile.total, i, total, weight, tile.accumulate != 0);
+    }
+    static_for<3>([&](auto k) RELUME_INLINE_LAMBDA {
+        if (tile.lobe[k][0] != nullptr) put3(tile.lobe[k], i, lobes[k], weight, tile.accumulate != 0);
+    });
 
     if (!any(is_nan(poison))) [[likely]] return 0;
     alignas(64) float flags[kWidth<T>];
@@ -290,14 +324,15 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const typename S::Options&
     return count;
 }
 
-/// Calls f on every plane pointer of the tile, inputs first.
-template <class S, class F>
-void for_each_input(ShaderTile& tile, const float* (&slots)[kFloatSlots<S>], F&& f) {
+/// Calls f on every input plane of the tile.
+template <class S, class T, class F>
+void for_each_input(ShaderTile& tile, SlotSources<S, T>& sources, F&& f) {
     for (auto* group : {tile.normal, tile.position, tile.view, tile.tangent})
         for (int k = 0; k < 3; ++k) f(group[k]);
     f(tile.ambient_occlusion);
     f(tile.weight);
-    for (const float*& slot : slots) f(slot);
+    for (int k = 0; k < kFloatSlots<S>; ++k)
+        if (sources.mask[k] != 0) f(sources.base[k]);
 }
 
 /// The last count mod kWidth pixels, in padded copies: the same batch code as everywhere, so that a pixel's bits do not
@@ -320,15 +355,13 @@ __attribute__((flatten)) static void shade_tile(ShaderTile* tile) {
     std::int64_t nonfinite = 0;
 
     ShaderTile work = *tile;
-    const float* slots[kFloatSlots<S>];
-    for (int k = 0; k < kFloatSlots<S>; ++k) slots[k] = tile->slots[k];
-    work.slots = slots;
+    SlotSources<S, T> sources(*tile);
     Tail<T> tail;
     // Twice through one loop, the second time over the tail, so that the kernel is there once.
     for (int pass = 0, begin = 0, end = whole; pass < 2; ++pass, end = rest > 0 ? kWidth<T> : 0) {
         if (pass == 1 && rest > 0) {
             int used = 0;
-            for_each_input<S>(work, slots, [&](const float*& plane) {
+            for_each_input<S, T>(work, sources, [&](const float*& plane) {
                 if (plane == nullptr) return;
                 for (int k = 0; k < kWidth<T>; ++k) tail.inputs[used][k] = plane[whole + (k < rest ? k : rest - 1)];
                 plane = tail.inputs[used++];
@@ -345,7 +378,7 @@ __attribute__((flatten)) static void shade_tile(ShaderTile* tile) {
         }
         const int offset = pass == 0 ? 0 : whole;
         for (int i = begin; i < end; i += kWidth<T>)
-            nonfinite += shade_batch<S, T>(work, options, i, offset + i, pass == 0 ? kWidth<T> : rest);
+            nonfinite += shade_batch<S, T>(work, sources, options, i, offset + i, pass == 0 ? kWidth<T> : rest);
     }
     if (rest > 0) {
         int used = 0;

@@ -18,16 +18,16 @@ RELUME_INLINE T alpha_from_roughness(T roughness) {
     return max(r * r, constant<T>(kMinAlpha));
 }
 
-/// Schlick 1994: the weight (1 − x)⁵ of F90 against F0.
+/// Schlick 1994: the weight (1 − x)⁵ of F90 against F0. The cosine lies in [0, 1] up to rounding, so 1 − x needs no clamp.
 template <class T>
 RELUME_INLINE T schlick_weight(T cosine) {
-    return pow5(saturate(T(1.f) - cosine));
+    return pow5(T(1.f) - cosine);
 }
 
 /// The bracket of GGX: D = a²/(π·t²) with t = sin²θh + a²·cos²θh (Walter et al. 2007, eq. 33).
 template <class T>
 RELUME_INLINE T ggx_bracket(T alpha2, T sin2_h) {
-    return fma(alpha2, T(1.f) - sin2_h, sin2_h);
+    return fma(sin2_h, T(1.f) - alpha2, alpha2);
 }
 
 /// D of GGX.
@@ -54,11 +54,17 @@ RELUME_INLINE T ggx_visibility(T alpha2, T n_dot_l, T n_dot_v) {
     return constant<T>(0.5) * rcp(max(lv + ll, constant<T>(1e-12)));
 }
 
-/// Twice the denominator of the joint approximation, V = 0.5/this (Karis 2013, Heitz's form with √ replaced by a lerp).
+/// The joint approximation V = 0.5/(NdotL(NdotV(1−a)+a) + NdotV(NdotL(1−a)+a)) (Karis 2013) has a denominator that is linear
+/// in NdotL: slope·NdotL + offset, both of the pixel alone.
 template <class T>
-RELUME_INLINE T joint_approximation(T alpha, T n_dot_l, T n_dot_v) {
-    const T product = n_dot_l * n_dot_v;
-    return fma(alpha, n_dot_l + n_dot_v, (T(1.f) - alpha) * (product + product));
+struct JointApproximation {
+    T slope, offset;
+    RELUME_INLINE T denominator(T n_dot_l) const { return fma(n_dot_l, slope, offset); }
+};
+
+template <class T>
+RELUME_INLINE JointApproximation<T> joint_approximation(T alpha, T n_dot_v) {
+    return {fma(n_dot_v + n_dot_v, T(1.f) - alpha, alpha), alpha * n_dot_v};
 }
 
 /// Λ of GGX for a direction at cosine x, from a²: (√(1 + a²(1/x² − 1)) − 1)/2 (Walter 2007; Heitz 2014).

@@ -50,6 +50,8 @@ template <Scalar T> RELUME_INLINE T fnma(T a, T b, T c) { return c - a * b; }
 /// 1/x and 1/√x, to 2 ulp in a batch and correctly rounded operations in the reference. x must not be 0.
 template <Scalar T> RELUME_INLINE T rcp(T x) { return T(1) / x; }
 template <Scalar T> RELUME_INLINE T rsqrt(T x) { return T(1) / std::sqrt(x); }
+/// 1/√(2x)
+template <Scalar T> RELUME_INLINE T rsqrt_twice(T x) { return T(1) / std::sqrt(x + x); }
 template <Scalar T> RELUME_INLINE T exp(T x) { return std::exp(x); }
 template <Scalar T> RELUME_INLINE T exp2(T x) { return std::exp2(x); }
 template <Scalar T> RELUME_INLINE T log(T x) { return std::log(x); }
@@ -181,6 +183,16 @@ RELUME_INLINE Batch<A> rsqrt(Batch<A> x) {
     return fma(y * Batch<A>(0.5f), fnma(x * y, y, Batch<A>(1.f)), y);
 #else
     return Batch<A>(1.f) / xsimd::sqrt(x);
+#endif
+}
+
+template <class A>
+RELUME_INLINE Batch<A> rsqrt_twice(Batch<A> x) {
+#if defined(__SSE2__)
+    const Batch<A> y(native::rsqrt(typename Batch<A>::register_type(x + x)));
+    return y * fnma(x, y * y, Batch<A>(1.5f));
+#else
+    return Batch<A>(1.f) / xsimd::sqrt(x + x);
 #endif
 }
 
