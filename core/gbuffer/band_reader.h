@@ -33,10 +33,10 @@ public:
     /// Decodes rows [y, y + rows) (absolute) into `scratch`. From memory this costs nothing.
     void load(int y, int rows, Scratch& scratch) const;
 
-    /// Canonical pixels [x, x + count) of row y, which lies in the loaded band: one pointer per component of each request,
-    /// in the requests' order, each to `count` contiguous floats (std::uint32_t for IDs). Points straight into the
-    /// caller's memory where that is float32, contiguous and needs no change, else into `scratch`; valid until the next
-    /// call with the same scratch. What a pixel gets does not depend on x, count or the band.
+    /// Canonical pixels [x, x + count) of row y, which lies in the loaded band: one pointer per component of each
+    /// request, in the requests' order, each to `count` contiguous floats (std::uint32_t for IDs). Points straight into
+    /// the caller's memory where that is float32, contiguous and needs no change, else into `scratch`; valid until the
+    /// next call with the same scratch. What a pixel gets does not depend on x, count or the band.
     std::span<const float* const> segment(int y, int x, int count, Scratch& scratch) const;
 
 private:

@@ -76,7 +76,7 @@ std::vector<Layer> index_layers(const io::Header& header, int file, std::string_
             const std::size_t dot = full.rfind('.');
             const std::string_view suffix = dot == std::string_view::npos ? full : full.substr(dot + 1);
             const char letter = component_letter(suffix);
-            std::string_view name = letter == '\0'                   ? full
+            std::string_view name = letter == '\0'                  ? full
                                     : dot == std::string_view::npos ? std::string_view()
                                                                     : full.substr(0, dot);
             std::string view = part.view;

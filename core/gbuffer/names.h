@@ -7,14 +7,15 @@
 
 namespace relume::gbuffer {
 
-/// Lower case, without blanks, underscores and hyphens; dots stay: "Base Color", "base_color" and "BaseColor" are one name.
+/// Lower case, without blanks, underscores and hyphens; dots stay: "Base Color", "base_color" and "BaseColor" are one
+/// name.
 std::string fold(std::string_view name);
 
 /// The parts of "a.b.c"; one empty part for "".
 std::vector<std::string_view> split(std::string_view text, char separator);
 
-/// Last part of a channel's name as one upper-case letter: R for "R", "r" and "red", A for "alpha", X, Y, Z, W, U, V, T;
-/// 0 for anything else.
+/// Last part of a channel's name as one upper-case letter: R for "R", "r" and "red", A for "alpha", X, Y, Z, W, U, V,
+/// T; 0 for anything else.
 char component_letter(std::string_view suffix);
 
 /// How well a layer's name fits a pattern of the rule table; smaller is better.

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gbuffer/gbuffer_impl.h"
+#include "gbuffer/pixel_steps.h"
+
+namespace relume::gbuffer {
+
+struct PlannedRaw {
+    RawPlane plane;
+    bool integer = false;  ///< read as unsigned integers
+};
+
+/// What must be read and computed to answer requests: registers [0, raws.size()) hold raw planes, the others results.
+struct BandPlan {
+    /// Throws Error(channel) that names a request nothing can answer.
+    BandPlan(const GBuffer::Impl& source, std::span<const ChannelRequest> requests);
+
+    std::vector<PlannedRaw> raws;
+    std::vector<Step> steps;
+    std::vector<int> outputs;  ///< registers, in the requests' order
+    std::size_t registers = 0;
+};
+
+}  // namespace relume::gbuffer

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "relume/gbuffer.h"
+
+#include <algorithm>
+
+#include "gbuffer/gbuffer_impl.h"
+#include "gbuffer/names.h"
+#include "relume/error.h"
+
+namespace relume {
+
+namespace gbuffer {
+
+namespace {
+
+class ExrPixels final : public PixelSource {
+public:
+    explicit ExrPixels(io::ExrReader reader) : reader_(std::move(reader)) {}
+    void read(const Window& region, std::span<const io::ReadTarget> targets) const override {
+        reader_.read(region, targets);
+    }
+    const io::Header& header() const { return reader_.header(); }
+
+private:
+    io::ExrReader reader_;
+};
+
+}  // namespace
+
+SourceFile open_file(const std::filesystem::path& path, std::int64_t max_pixels) {
+    const std::string extension = fold(path.extension().string());
+    for (const std::string_view other : {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".hdr", ".tga", ".webp", ".bmp"}) {
+        if (extension == other) {
+            throw Error(ErrorKind::format, path.string() +
+                                               ": librelume reads EXR alone; other images come in through "
+                                               "OpenImageIO (the Python package, or relume::oiio in C++)");
+        }
+    }
+    io::ReadLimits limits;
+    limits.max_pixels = max_pixels;
+    auto pixels = std::make_shared<ExrPixels>(io::ExrReader(path, limits));
+    SourceFile file;
+    file.path = path;
+    file.header = pixels->header();
+    file.layers = index_layers(file.header, 0, path.stem().string());
+    file.producer = detect_producer(file.header, file.layers);
+    file.pixels = std::move(pixels);
+    return file;
+}
+
+}  // namespace gbuffer
+
+GBuffer::GBuffer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+GBuffer::GBuffer(GBuffer&&) noexcept = default;
+GBuffer& GBuffer::operator=(GBuffer&&) noexcept = default;
+GBuffer::~GBuffer() = default;
+
+GBuffer GBuffer::read(const std::filesystem::path& path, const GBufferOptions& options) {
+    return GBuffer(gbuffer::understand(gbuffer::open_file(path, options.max_pixels), options));
+}
+
+const Window& GBuffer::data_window() const { return impl_->data_window; }
+const Window& GBuffer::display_window() const { return impl_->display_window; }
+float GBuffer::pixel_aspect() const { return impl_->pixel_aspect; }
+std::string_view GBuffer::producer() const { return impl_->producer; }
+std::string_view GBuffer::working_space() const { return impl_->working_space; }
+const std::vector<ChannelInfo>& GBuffer::channels() const { return impl_->infos; }
+
+const ChannelInfo* GBuffer::find(std::string_view name) const {
+    for (const ChannelInfo& info : impl_->infos) {
+        if (info.name == name) return &info;
+    }
+    return nullptr;
+}
+
+const std::optional<Camera>& GBuffer::camera() const { return impl_->camera; }
+std::string_view GBuffer::camera_reason() const { return impl_->camera_reason; }
+double GBuffer::camera_error() const { return impl_->camera_error; }
+const std::vector<std::string>& GBuffer::notes() const { return impl_->notes; }
+const std::map<std::string, std::vector<std::string>>& GBuffer::cryptomatte() const { return impl_->crypto_names; }
+
+}  // namespace relume

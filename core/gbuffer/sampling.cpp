@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gbuffer/sampling.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gbuffer/planes.h"
+
+namespace relume::gbuffer {
+
+namespace {
+
+constexpr int kRowsInMemory = 64;
+constexpr int kRowsPerBand = 4;
+constexpr int kDenseRows = 256;
+
+/// Height of the chunks that reading one row decodes, over all the planes' parts.
+int chunk_rows(const GBuffer::Impl& impl, std::span<const int> raws) {
+    int rows = 1;
+    for (const int raw : raws) {
+        const RawPlane& plane = impl.raws[static_cast<std::size_t>(raw)];
+        if (plane.memory.data) continue;
+        const SourceFile& file = impl.files[static_cast<std::size_t>(plane.address.file)];
+        rows = std::max(rows, file.header.parts[static_cast<std::size_t>(plane.address.part)].rows_per_chunk);
+    }
+    return rows;
+}
+
+/// Rows to look at: bands far apart where a chunk costs many rows, single rows where it costs one.
+std::vector<int> choose_rows(const Window& window, int chunk, bool in_memory, bool dense) {
+    const int height = window.height;
+    std::vector<int> rows;
+    if (in_memory || chunk == 1) {
+        const int count = std::min(height, dense ? kDenseRows : kRowsInMemory);
+        for (int k = 0; k < count; ++k) {
+            rows.push_back(window.y + static_cast<int>((2 * static_cast<std::int64_t>(k) + 1) * height / (2 * count)));
+        }
+        return rows;
+    }
+    const int chunks = (height + chunk - 1) / chunk;
+    const int bands = std::min(chunks, dense ? 64 : std::clamp(128 / chunk, 6, 32));
+    for (int b = 0; b < bands; ++b) {
+        const auto index = static_cast<int>((2 * static_cast<std::int64_t>(b) + 1) * chunks / (2 * bands));
+        const int top = index * chunk;
+        const int size = std::min(chunk, height - top);
+        // Where the chunks are few they must give more rows each.
+        const int wanted = std::min(size, std::max(kRowsPerBand, kRowsInMemory / bands));
+        for (int k = 0; k < wanted; ++k)
+            rows.push_back(window.y + top + (2 * k + 1) * size / (2 * wanted));
+    }
+    return rows;
+}
+
+}  // namespace
+
+std::vector<SampledRow> sample_rows(const GBuffer::Impl& impl, std::span<const int> raws, bool dense) {
+    const Window& window = impl.data_window;
+    std::vector<SampledRow> result;
+    if (window.empty() || raws.empty()) return result;
+    const int chunk = chunk_rows(impl, raws);
+    const std::vector<int> rows = choose_rows(window, chunk, impl.in_memory(), dense);
+    const auto width = static_cast<std::size_t>(window.width);
+
+    // Rows of one chunk are read together, so that it is decoded once.
+    std::vector<float> band;
+    for (std::size_t first = 0; first < rows.size();) {
+        std::size_t last = first;
+        const int chunk_index = (rows[first] - window.y) / chunk;
+        while (last + 1 < rows.size() && (rows[last + 1] - window.y) / chunk == chunk_index)
+            ++last;
+        const int top = rows[first];
+        const int height = rows[last] - top + 1;
+        const std::size_t plane_size = width * static_cast<std::size_t>(height);
+        std::vector<ConstPlane> planes(raws.size());
+        band.resize(plane_size * raws.size());
+        for (std::size_t f = 0; f < impl.files.size(); ++f) {
+            std::vector<io::ReadTarget> targets;
+            for (std::size_t k = 0; k < raws.size(); ++k) {
+                const RawPlane& raw = impl.raws[static_cast<std::size_t>(raws[k])];
+                if (raw.memory.data || raw.address.file != static_cast<int>(f)) continue;
+                auto* data = reinterpret_cast<std::byte*>(band.data() + k * plane_size);
+                const Plane plane{data, PixelType::float32, 4, static_cast<std::ptrdiff_t>(width * 4)};
+                targets.push_back({raw.address.part, raw.address.channel, plane});
+                planes[k] = plane;
+            }
+            if (!targets.empty()) impl.files[f].pixels->read({window.x, top, window.width, height}, targets);
+        }
+        for (std::size_t r = first; r <= last; ++r) {
+            SampledRow row;
+            row.y = rows[r];
+            row.planes.resize(raws.size());
+            for (std::size_t k = 0; k < raws.size(); ++k) {
+                row.planes[k].resize(width);
+                const RawPlane& raw = impl.raws[static_cast<std::size_t>(raws[k])];
+                const bool memory = raw.memory.data != nullptr;
+                gather(memory ? raw.memory : planes[k], memory ? row.y - window.y : row.y - top, 0, window.width,
+                       row.planes[k].data());
+            }
+            result.push_back(std::move(row));
+        }
+        first = last + 1;
+    }
+    return result;
+}
+
+DirectionStatistics direction_statistics(std::span<const SampledRow> rows, std::size_t first_plane) {
+    DirectionStatistics statistics;
+    std::int64_t all = 0, negative = 0, unit = 0, decoded = 0, near_unit = 0;
+    for (const SampledRow& row : rows) {
+        const std::size_t width = row.planes[first_plane].size();
+        for (std::size_t i = 0; i < width; ++i) {
+            double square = 0, decoded_square = 0, smallest = 0;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const double v = row.planes[first_plane + k][i];
+                square += v * v;
+                decoded_square += (2 * v - 1) * (2 * v - 1);
+                smallest = std::min(smallest, v);
+            }
+            if (!std::isfinite(square)) continue;
+            ++all;
+            if (square == 0) {
+                ++near_unit;
+                continue;
+            }
+            near_unit += std::abs(std::sqrt(square) - 1) < 2e-3;
+            ++statistics.samples;
+            negative += smallest < -0.01;
+            unit += std::abs(std::sqrt(square) - 1) < 0.05;
+            decoded += std::abs(std::sqrt(decoded_square) - 1) < 0.05;
+        }
+    }
+    const auto share = [](std::int64_t part, std::int64_t whole) {
+        return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
+    };
+    statistics.negative = share(negative, statistics.samples);
+    statistics.unit = share(unit, statistics.samples);
+    statistics.unit_decoded = share(decoded, statistics.samples);
+    statistics.near_unit = all > 0 ? share(near_unit, all) : 1.0;
+    return statistics;
+}
+
+Range value_range(std::span<const SampledRow> rows, std::size_t plane) {
+    Range range;
+    for (const SampledRow& row : rows) {
+        for (const float value : row.planes[plane]) {
+            if (!std::isfinite(value)) continue;
+            range.min = range.any ? std::min(range.min, static_cast<double>(value)) : value;
+            range.max = range.any ? std::max(range.max, static_cast<double>(value)) : value;
+            range.any = true;
+        }
+    }
+    return range;
+}
+
+}  // namespace relume::gbuffer
