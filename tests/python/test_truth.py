@@ -16,6 +16,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "truth"))
 
 from cases import Case, Result, cases, measure_reference, run
 from measure import EDGE_BAR, MEDIAN_BAR, P99_BAR
+from rigs import committed
 from truth_scenes import Scene, own_scenes, shared_data, shared_scenes
 
 # Single precision against double on the same G-buffer, relative to the brightest channel.
@@ -54,6 +55,12 @@ def test_the_reference_itself_meets_the_renderer(case: Case) -> None:
     assert floor.plain is not None
     assert floor.plain.median <= 4.5e-4
     assert floor.plain.p99 <= 2e-3
+
+
+@pytest.mark.parametrize("scene", own_scenes(), ids=lambda scene: scene.name)
+def test_the_rigs_in_the_repository_are_those_that_were_tested(scene: Scene) -> None:
+    path, text = committed(scene)
+    assert path.read_text(encoding="utf-8") == text
 
 
 SHARED = _cases(shared_scenes())

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -69,3 +70,15 @@ def rig(scene: Scene, lights: Sequence[str], model: str) -> str:
     parts += [light_section(name, scene.lights[name], scene.generation) for name in lights]
     parts += [shader_sections(scene, model), '[output]\ntype = "float"\n']
     return "\n".join(parts)
+
+
+def committed(scene: Scene) -> tuple[Path, str]:
+    """The rig that lies beside this file for a reader to try, and its text: all lights, the renderer's own model."""
+    model = MODELS[scene.generation, "principled" if scene.generation == 3 else "lambertggx"][0]
+    gbuffer = scene.gbuffers["main", "point"]
+    file = f"../data/{gbuffer.parent.name}/{gbuffer.name}"
+    text = rig(scene, list(scene.lights), model)
+    comment = f"# {scene.name} under its three lamps, as Blender {scene.generation} lit it. Made by rigs.py.\n"
+    return Path(__file__).parent / f"{scene.name}.relume", comment + text.replace(
+        "version = 1\n", f'version = 1\n\n[gbuffer]\nfile = "{file}"\n', 1
+    )
