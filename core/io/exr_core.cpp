@@ -104,7 +104,7 @@ std::string take_core_error(exr_result_t code) {
     std::string message = first_message[0] != '\0' ? first_message.data() : exr_get_default_error_message(code);
     clear_core_error();
     // Headers are hostile: no control characters of theirs reach a terminal through us.
-    std::replace_if(message.begin(), message.end(), [](char c) { return static_cast<unsigned char>(c) < 32; }, '?');
+    std::replace_if(message.begin(), message.end(), [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }, '?');
     while (!message.empty() && (message.back() == '.' || message.back() == ' ')) {
         message.pop_back();
     }

@@ -149,7 +149,7 @@ struct ExrReader::Impl {
         const std::string where = part_at(part).tiled
                                       ? "tile (" + std::to_string(at.column) + ", " + std::to_string(at.row) + ")"
                                       : "rows " + std::to_string(box.y) + ".." + std::to_string(box.y_end() - 1);
-        fail(part, where + " are damaged: " + message);
+        fail(part, "damaged at " + where + ": " + message);
     }
 
     void read_chunk(int index, ChunkPosition at, const Window& region, const Window& origin,

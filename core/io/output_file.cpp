@@ -6,6 +6,7 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -75,7 +76,7 @@ OutputFile::~OutputFile() {
 void OutputFile::fail(const char* what) const {
     const int code = errno;
     throw Error(ErrorKind::file, path_.string() + ": " + what + ": " + std::strerror(code) +
-                                     "; nothing was left under this name that was not there before");
+                                     "; what was under this name before is untouched");
 }
 
 void OutputFile::write(std::span<const std::byte> first, std::span<const std::byte> second, std::uint64_t offset) {
