@@ -26,6 +26,8 @@ add_library(relume_flags INTERFACE)
 target_compile_features(relume_flags INTERFACE cxx_std_20)
 target_compile_options(
     relume_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+                           # GCC 12 sees an overlap in its own std::string (GCC bug 105329).
+                           $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
                            $<$<BOOL:${RELUME_WERROR}>:-Werror>)
 target_include_directories(relume_flags INTERFACE "${PROJECT_SOURCE_DIR}/core/include" "${PROJECT_SOURCE_DIR}/core")
 # With only xyzw names a glm::vec is three plain members; r, g, b and s, t, p would be anonymous unions beside them.
