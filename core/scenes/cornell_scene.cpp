@@ -11,8 +11,9 @@ namespace {
 using glm::dvec3;
 
 constexpr std::array<std::string_view, 14> kObjects{
-    "back_wall",       "floor",          "ceiling",        "left_wall",      "right_wall",     "light",          "glossy_sphere_1",
-    "glossy_sphere_2", "glossy_sphere_3", "shiny_sphere_1", "shiny_sphere_2", "shiny_sphere_3", "shiny_sphere_4", "shiny_sphere_5"};
+    "back_wall",      "floor",           "ceiling",         "left_wall",       "right_wall",
+    "light",          "glossy_sphere_1", "glossy_sphere_2", "glossy_sphere_3", "shiny_sphere_1",
+    "shiny_sphere_2", "shiny_sphere_3",  "shiny_sphere_4",  "shiny_sphere_5"};
 
 // Index 0 stays black, so that a material's index is its ID in the file.
 enum Material : int { none, white, red, green, lamp, yellow, pink, blue, shiny };
@@ -54,12 +55,10 @@ Room cornell_room() {
     room.materials[pink] = {dvec3(0.9, 0.5, 0.9), dvec3(0.9), dvec3(0), 0.3, 0.2};
     room.materials[blue] = {dvec3(0, 0, 1), dvec3(1, 0, 0), dvec3(0), 0.5, 0.4};
 
-    room.rectangles = {{2, {-12.6, -12.6, 25}, {12.6, 12.6, 25}, 1, white},
-                       {1, {-12.6, -12.45, 15}, {12.6, -12.45, 25}, 2, white},
-                       {1, {-12.6, 12.5, 15}, {12.6, 12.5, 25}, 3, white},
-                       {0, {-12.5, -12.6, 15}, {-12.5, 12.6, 25}, 4, red},
-                       {0, {12.5, -12.6, 15}, {12.5, 12.6, 25}, 5, green},
-                       {1, {-5, 12.4, 17.5}, {5, 12.4, 22.5}, 6, lamp}};
+    room.rectangles = {
+        {2, {-12.6, -12.6, 25}, {12.6, 12.6, 25}, 1, white}, {1, {-12.6, -12.45, 15}, {12.6, -12.45, 25}, 2, white},
+        {1, {-12.6, 12.5, 15}, {12.6, 12.5, 25}, 3, white},  {0, {-12.5, -12.6, 15}, {-12.5, 12.6, 25}, 4, red},
+        {0, {12.5, -12.6, 15}, {12.5, 12.6, 25}, 5, green},  {1, {-5, 12.4, 17.5}, {5, 12.4, 22.5}, 6, lamp}};
     room.light = room.rectangles.back();
     room.spheres = {{{-9, -9.3, 20}, 3, 7, yellow}, {{0, -9.3, 20}, 3, 8, pink}, {{9, -9.3, 20}, 3, 9, blue}};
     for (int i = 0; i < 5; ++i) {

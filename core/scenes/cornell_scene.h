@@ -6,9 +6,9 @@
 
 namespace relume::scene {
 
-/// A box with a red and a green side, a light under its ceiling, three glossy spheres on the floor and five shiny ones in
-/// a row before the back wall, rougher from one to the next. Open towards the eye, which is at the origin and looks along
-/// +z with a horizontal field of view of 90°; +x is on the right of the picture and +y up.
+/// A box with a red and a green side, a light under its ceiling, three glossy spheres on the floor and five shiny ones
+/// in a row before the back wall, rougher from one to the next. Open towards the eye, which is at the origin and looks
+/// along +z with a horizontal field of view of 90°; +x is on the right of the picture and +y up.
 class CornellScene final : public Scene {
 public:
     CornellScene(int width, int height, int bounces);

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "scenes/name_id.h"
+#include "cryptomatte/cryptomatte.h"
 #include "scenes/parallel.h"
 
 namespace relume::scene {
@@ -17,6 +17,14 @@ constexpr std::string_view kLayer = "ViewLayer.";
 constexpr std::string_view kMatte = "ViewLayer.CryptoObject";
 /// Two ranks a layer: a pixel that sees more than four objects loses the smallest.
 constexpr int kMatteLayers = 2;
+
+/// Eight lower-case digits, as manifests hold them.
+std::string hexadecimal(std::uint32_t id) {
+    std::string text(8, '0');
+    for (std::size_t digit = 8; digit-- > 0; id >>= 4)
+        text[digit] = "0123456789abcdef"[id & 15];
+    return text;
+}
 
 /// Where in the pixel ray `sample` goes, in [0, 1)²: one through the centre, several by the R₂ sequence (Roberts 2018),
 /// moved as a whole by two random numbers of the pixel's own, so that each ray alone is uniform over the pixel.
@@ -43,22 +51,26 @@ public:
         : scene_(scene), options_(options), specs_(scene.channels()) {
         image_.window = {0, 0, options.width, options.height};
         image_.camera = scene.camera();
-        for (const ChannelSpec& spec : specs_) add(spec.name);
+        for (const ChannelSpec& spec : specs_)
+            add(spec.name);
         if (has_beauty()) {
-            for (const char* component : {"R", "G", "B", "A"}) add("Combined." + std::string(component));
+            for (const char* component : {"R", "G", "B", "A"})
+                add("Combined." + std::string(component));
         }
         for (int layer = 0; layer < kMatteLayers; ++layer) {
             for (const char* component : {"r", "g", "b", "a"}) {
                 add("CryptoObject0" + std::to_string(layer) + "." + component);
             }
         }
-        for (const std::string_view object : scene.objects()) ids_.push_back(name_id(object));
+        for (const std::string_view object : scene.objects())
+            ids_.push_back(cryptomatte::id_bits(object));
         add_attributes();
     }
 
     SceneImage run() && {
         in_parallel(options_.height, options_.threads, [this](int j) {
-            for (int i = 0; i < options_.width; ++i) render_pixel(i, j);
+            for (int i = 0; i < options_.width; ++i)
+                render_pixel(i, j);
         });
         std::sort(image_.channels.begin(), image_.channels.end(),
                   [](const SceneChannel& a, const SceneChannel& b) { return a.name < b.name; });
@@ -74,10 +86,11 @@ private:
     }
 
     void add_attributes() {
-        const std::string key = "cryptomatte/" + name_id_hex(name_id(kMatte)).substr(0, 7) + "/";
+        const std::string key = "cryptomatte/" + hexadecimal(cryptomatte::id_bits(kMatte)).substr(0, 7) + "/";
         std::string manifest;
         for (const std::string_view object : scene_.objects()) {
-            manifest += (manifest.empty() ? "{\"" : ",\"") + std::string(object) + "\":\"" + name_id_hex(name_id(object)) + "\"";
+            manifest += (manifest.empty() ? "{\"" : ",\"") + std::string(object) + "\":\"" +
+                        hexadecimal(cryptomatte::id_bits(object)) + "\"";
         }
         image_.attributes[key + "name"] = kMatte;
         image_.attributes[key + "hash"] = "MurmurHash3_32";
@@ -86,7 +99,8 @@ private:
     }
 
     void render_pixel(int i, int j) {
-        const std::size_t at = static_cast<std::size_t>(j) * static_cast<std::size_t>(options_.width) + static_cast<std::size_t>(i);
+        const std::size_t at =
+            static_cast<std::size_t>(j) * static_cast<std::size_t>(options_.width) + static_cast<std::size_t>(i);
         const auto pixel = static_cast<std::uint32_t>(at);
         const Surface centre = scene_.trace({i + 0.5, j + 0.5});
 

@@ -17,8 +17,8 @@ constexpr double kPi = std::numbers::pi;
 /// How far a reflected ray starts above its surface, in the room's unit.
 constexpr double kNudge = 0.01;
 
-/// The smallest t > 0, or 0 for none. The discriminant comes from the distance of the ray to the centre, not from b² − c:
-/// the two squares would cancel for spheres far away (Haines et al. 2019, "Precision improvements for ray/sphere
+/// The smallest t > 0, or 0 for none. The discriminant comes from the distance of the ray to the centre, not from b² −
+/// c: the two squares would cancel for spheres far away (Haines et al. 2019, "Precision improvements for ray/sphere
 /// intersection", Ray Tracing Gems 7.1).
 double intersect(const RoomSphere& sphere, const dvec3& origin, const dvec3& direction) {
     const dvec3 to_centre = sphere.centre - origin;
@@ -122,7 +122,8 @@ dvec3 Room::radiance(RoomHit hit, dvec3 direction, const PathRandom& random, con
         if (aimed) {
             const std::array<double, 4> w = random.draw(static_cast<std::uint32_t>(2 * bounce + 1));
             dvec3 point;
-            for (int axis = 0; axis < 3; ++axis) point[axis] = glm::mix(light->low[axis], light->high[axis], w[axis]);
+            for (int axis = 0; axis < 3; ++axis)
+                point[axis] = glm::mix(light->low[axis], light->high[axis], w[axis]);
             const dvec3 size = light->high - light->low;
             const double area = size[(light->axis + 1) % 3] * size[(light->axis + 2) % 3];
             const dvec3 way = point - origin;

@@ -17,7 +17,7 @@ struct RoomMaterial {
     glm::dvec3 specular_color{0};
     glm::dvec3 emission{0};  ///< radiance, from both sides
     double percent_specular = 0;
-    double roughness = 1;    ///< 0: mirror, 1: Lambert
+    double roughness = 1;  ///< 0: mirror, 1: Lambert
 };
 
 struct RoomSphere {
@@ -29,8 +29,8 @@ struct RoomSphere {
 
 /// A rectangle across one axis, seen from both sides.
 struct RoomRectangle {
-    int axis;         ///< the normal's: 0, 1, 2 for x, y, z
-    glm::dvec3 low;   ///< corners; low[axis] == high[axis]
+    int axis;        ///< the normal's: 0, 1, 2 for x, y, z
+    glm::dvec3 low;  ///< corners; low[axis] == high[axis]
     glm::dvec3 high;
     int object;
     int material;

@@ -15,12 +15,12 @@ namespace relume::scene {
 
 /// What a camera ray sees. All of it is 0 where that is the background (`object` 0).
 struct Surface {
-    int object = 0;                   ///< from 1, in the order of Scene::objects()
-    int material = 0;                 ///< from 1
-    double depth = 0;                 ///< along the view axis
+    int object = 0;    ///< from 1, in the order of Scene::objects()
+    int material = 0;  ///< from 1
+    double depth = 0;  ///< along the view axis
     glm::dvec3 position{0};
-    glm::dvec3 normal{0};             ///< unit, to the viewer
-    glm::dvec3 direction{0};          ///< of the ray, unit; given for the background too
+    glm::dvec3 normal{0};     ///< unit, to the viewer
+    glm::dvec3 direction{0};  ///< of the ray, unit; given for the background too
     glm::dvec3 base_color{0};
     glm::dvec3 specular_color{0};
     glm::dvec3 emission{0};
@@ -28,8 +28,8 @@ struct Surface {
     double metallic = 0;
     double specular = 0;
     double percent_specular = 0;
-    double ambient_occlusion = 0;     ///< 1 in the open
-    double sun_shadow = 0;            ///< 1 in the light
+    double ambient_occlusion = 0;  ///< 1 in the open
+    double sun_shadow = 0;         ///< 1 in the light
 };
 
 /// One channel of a scene's G-buffer, without the view layer's name.

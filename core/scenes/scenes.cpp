@@ -71,7 +71,8 @@ SceneImage render_scene(std::string_view name, const SceneOptions& options) {
     SceneImage image = scene::render(*built, o);
     image.attributes["Software"] = "relume " + std::string(version());
     image.attributes["relume/scene"] = name;
-    image.attributes["comments"] = "relume's built-in scene '" + std::string(name) + "': world space, y up, scene-linear Rec.709";
+    image.attributes["comments"] =
+        "relume's built-in scene '" + std::string(name) + "': world space, y up, scene-linear Rec.709";
     return image;
 }
 
@@ -79,21 +80,24 @@ void write_scene(std::string_view name, const std::filesystem::path& path, const
     const SceneImage image = render_scene(name, options);
     io::Part part;
     part.data_window = part.display_window = image.window;
-    for (const SceneChannel& channel : image.channels) part.channels.push_back({channel.name, PixelType::float32});
-    for (const auto& [key, value] : image.attributes) part.attributes.push_back({key, "string", value});
+    for (const SceneChannel& channel : image.channels)
+        part.channels.push_back({channel.name, PixelType::float32});
+    for (const auto& [key, value] : image.attributes)
+        part.attributes.push_back({key, "string", value});
 
     io::ExrWriter writer(path, io::Header{{part}});
     const int band = writer.rows_per_chunk();
     const std::ptrdiff_t row_bytes = std::ptrdiff_t{4} * image.window.width;
-    scene::in_parallel((image.window.height + band - 1) / band, complete(require_scene(name), options).threads, [&](int chunk) {
-        const int y = chunk * band;
-        std::vector<ConstPlane> planes;
-        for (const SceneChannel& channel : image.channels) {
-            const auto* top = reinterpret_cast<const std::byte*>(channel.pixels.data());
-            planes.push_back({top + y * row_bytes, PixelType::float32, 4, row_bytes});
-        }
-        writer.write(0, y, std::min(band, image.window.height - y), planes);
-    });
+    scene::in_parallel((image.window.height + band - 1) / band, complete(require_scene(name), options).threads,
+                       [&](int chunk) {
+                           const int y = chunk * band;
+                           std::vector<ConstPlane> planes;
+                           for (const SceneChannel& channel : image.channels) {
+                               const auto* top = reinterpret_cast<const std::byte*>(channel.pixels.data());
+                               planes.push_back({top + y * row_bytes, PixelType::float32, 4, row_bytes});
+                           }
+                           writer.write(0, y, std::min(band, image.window.height - y), planes);
+                       });
     writer.commit();
 }
 

@@ -133,8 +133,8 @@ Surface SdfScene::trace(glm::dvec2 film) const {
     Surface s;
     s.direction = glm::normalize(right_ * x + up_ * y + forward_ * kFocal);
 
-    // A ray that grazes the sphere may run out of steps beside it: it counts as a hit where it stands, or the silhouette
-    // would have holes.
+    // A ray that grazes the sphere may run out of steps beside it: it counts as a hit where it stands, or the
+    // silhouette would have holes.
     double t = 0;
     for (int i = 0; i < kTraceSteps && t <= kFar; ++i) {
         const double gap = sdf_distance(eye_ + s.direction * t);

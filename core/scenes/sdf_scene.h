@@ -34,17 +34,17 @@ double sdf_distance(const glm::dvec3& p);
 /// surroundings fall short of the open half space's distances.
 double sdf_ambient_occlusion(const glm::dvec3& p, const glm::dvec3& n);
 
-/// Light from direction `l` (unit) that reaches p: the least of clamp(8·distance/t) on the way, over at most 24 steps of
-/// 0.02 to 0.2 from t = 0.02 to t = 5.
+/// Light from direction `l` (unit) that reaches p: the least of clamp(8·distance/t) on the way, over at most 24 steps
+/// of 0.02 to 0.2 from t = 0.02 to t = 5.
 double sdf_shadow(const glm::dvec3& p, const glm::dvec3& l);
 
 /// The lights of the beauty, which examples/rigs/sdf.relume repeats.
 struct SdfLights {
-    glm::dvec3 to_sun;       ///< unit
-    glm::dvec3 sun;          ///< irradiance
-    glm::dvec3 sky;          ///< irradiance from straight above, over π
-    glm::dvec3 to_back;      ///< unit, horizontal, away from the sun
-    glm::dvec3 back;         ///< irradiance over π
+    glm::dvec3 to_sun;   ///< unit
+    glm::dvec3 sun;      ///< irradiance
+    glm::dvec3 sky;      ///< irradiance from straight above, over π
+    glm::dvec3 to_back;  ///< unit, horizontal, away from the sun
+    glm::dvec3 back;     ///< irradiance over π
 };
 SdfLights sdf_lights();
 

@@ -59,7 +59,8 @@ double polygon_irradiance(const std::array<dvec3, 4>& corners, const dvec3& p, c
     return std::abs(sum) / 2;
 }
 
-constexpr std::array<dvec3, 4> kLight{dvec3{-5, 12.4, 17.5}, dvec3{5, 12.4, 17.5}, dvec3{5, 12.4, 22.5}, dvec3{-5, 12.4, 22.5}};
+constexpr std::array<dvec3, 4> kLight{dvec3{-5, 12.4, 17.5}, dvec3{5, 12.4, 17.5}, dvec3{5, 12.4, 22.5},
+                                      dvec3{-5, 12.4, 22.5}};
 
 struct WallPoint {
     dvec3 position;
@@ -92,7 +93,8 @@ TEST(RoomTest, DirectLightOnTheWallsIsTheFormFactor) {
 
 TEST(RoomTest, AimingAtTheLightDoesNotChangeTheMean) {
     const Room room = cornell_room();
-    const std::array<dvec3, 6> seen{dvec3{-9, -8, 20}, {0, -8, 20}, {9, -7.5, 20}, {5, 1.2, 23}, {10, 1.2, 23}, {8, 12.5, 22}};
+    const std::array<dvec3, 6> seen{dvec3{-9, -8, 20}, {0, -8, 20},   {9, -7.5, 20},
+                                    {5, 1.2, 23},      {10, 1.2, 23}, {8, 12.5, 22}};
     for (const dvec3& target : seen) {
         const dvec3 direction = glm::normalize(target);
         const std::optional<RoomHit> hit = room.trace(dvec3(0), direction);
@@ -121,7 +123,8 @@ TEST(RoomTest, AFurnaceGivesTheGeometricSeries) {
                 const Estimate found = estimate(room, *hit, {0, 0, 1}, {bounces, true}, 50);
                 for (int k = 0; k < 3; ++k) {
                     const double rho = room.materials[0].albedo[k];
-                    const double expected = room.materials[0].emission[k] * (1 - std::pow(rho, bounces + 1)) / (1 - rho);
+                    const double expected =
+                        room.materials[0].emission[k] * (1 - std::pow(rho, bounces + 1)) / (1 - rho);
                     EXPECT_NEAR(found.mean[k], expected, 1e-12 * expected);
                     EXPECT_LT(found.error[k], 1e-7 * expected);
                 }
@@ -146,8 +149,8 @@ TEST(RoomTest, NoLightIsMade) {
     }
 }
 
-/// f·n·l of the mirror lobe for directions normalize((1 − t)·rv + t·d), t = roughness², d cosine-distributed: the density
-/// of d over the stretch of solid angle from d to l, summed over the directions d that end in l.
+/// f·n·l of the mirror lobe for directions normalize((1 − t)·rv + t·d), t = roughness², d cosine-distributed: the
+/// density of d over the stretch of solid angle from d to l, summed over the directions d that end in l.
 double lobe(const dvec3& n, const dvec3& rv, const dvec3& l, double roughness) {
     const double t = roughness * roughness;
     const double mu = glm::dot(l, rv);
@@ -168,7 +171,8 @@ TEST(RoomTest, TheMirrorLobeIsSpecularMixes) {
     // roots, an edge in the lobe) to Lambert.
     for (const double roughness : {0.3, 0.5, 0.65, 0.75, 0.9, 1.0}) {
         Room room;
-        room.materials = {{dvec3(0), dvec3(0.5, 0.25, 1), dvec3(0), 1, roughness}, {dvec3(0), dvec3(0), dvec3(3), 0, 1}};
+        room.materials = {{dvec3(0), dvec3(0.5, 0.25, 1), dvec3(0), 1, roughness},
+                          {dvec3(0), dvec3(0), dvec3(3), 0, 1}};
         room.rectangles = {{1, {-50, 0, -50}, {50, 0, 50}, 1, 0}, {1, {0, 5, -2}, {4, 5, 3}, 2, 1}};
         const dvec3 direction = glm::normalize(dvec3(1, -2, 0.3));
         const RoomHit hit{1, 1, 0, dvec3(0), dvec3(0, 1, 0)};
@@ -214,7 +218,7 @@ TEST(RoomTest, AMirrorShowsTheLight) {
 
 TEST(RoomTest, BlockedMeansASurfaceBeforeTheEnd) {
     const Room room = cornell_room();
-    EXPECT_TRUE(room.blocked({0, 0, 0}, {0, 0, 1}, 21.5));   // the sphere in the middle, from z = 21.25 on
+    EXPECT_TRUE(room.blocked({0, 0, 0}, {0, 0, 1}, 21.5));  // the sphere in the middle, from z = 21.25 on
     EXPECT_FALSE(room.blocked({0, 0, 0}, {0, 0, 1}, 21.0));
     EXPECT_FALSE(room.blocked({0, -5, 0}, {0, 0, 1}, 24.9));
     EXPECT_TRUE(room.blocked({0, -5, 0}, {0, 0, 1}, 25.1));  // the back wall

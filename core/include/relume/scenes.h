@@ -18,26 +18,28 @@ namespace relume {
 /// The built-in scenes: small G-buffers with a beauty whose making is known to the last formula, for demos and tests.
 /// Their shading shares no code with the relighting core, so that the two can be held against each other.
 ///   sdf      a sphere on a checkered ground, sphere-traced; ambient occlusion and a soft sun shadow from the distance
-///            field; the beauty has one bounce of light from a sun, the sky and a back light (examples/rigs/sdf.relume).
+///            field; the beauty has one bounce of light from a sun, the sky and a back light
+///            (examples/rigs/sdf.relume).
 ///   cornell  a box with a ceiling light, three glossy and five shiny spheres, ray-traced; the beauty is path-traced
 ///            (the light alone: examples/rigs/cornell.relume).
 /// Both worlds are y-up; lengths have no unit.
 struct SceneInfo {
     std::string_view name;
     std::string_view help;
-    int width = 0;    ///< what SceneOptions::width = 0 means
+    int width = 0;  ///< what SceneOptions::width = 0 means
     int height = 0;
     int samples = 0;  ///< what SceneOptions::samples = 0 means
 };
 RELUME_API std::span<const SceneInfo> scenes();
 
 struct SceneOptions {
-    int width = 0;           ///< pixels, 1…32768; 0: the scene's own size
+    int width = 0;  ///< pixels, 1…32768; 0: the scene's own size
     int height = 0;
     /// Camera rays per pixel, 1…65536; 0: the scene's own number. One ray goes through the pixel's centre; several are
     /// spread evenly over the pixel, and what they see is averaged.
     int samples = 0;
-    /// Light paths per camera ray (cornell): the beauty averages samples × paths of them. 0 leaves the beauty out; −1: 4.
+    /// Light paths per camera ray (cornell): the beauty averages samples × paths of them. 0 leaves the beauty out;
+    /// −1: 4.
     int paths = -1;
     int bounces = 8;         ///< of a light path (cornell), 0…64; 1 is direct light alone, 0 emission alone
     double time = 0;         ///< seconds: the camera of sdf goes round by 0.3 rad a second
@@ -52,9 +54,9 @@ struct SceneChannel {
     std::vector<float> pixels;
 };
 
-/// A G-buffer with Blender's channel names and habits. Depth, position and the indices come from the pixel's centre and are
-/// 1e10 or 0 where it sees the background; everything else is averaged over the pixel with 0 for the background, so that
-/// it is premultiplied by coverage, which `ViewLayer.albedo.A` holds.
+/// A G-buffer with Blender's channel names and habits. Depth, position and the indices come from the pixel's centre and
+/// are 1e10 or 0 where it sees the background; everything else is averaged over the pixel with 0 for the background, so
+/// that it is premultiplied by coverage, which `ViewLayer.albedo.A` holds.
 struct SceneImage {
     Window window;
     std::vector<SceneChannel> channels;             ///< sorted by name
