@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kNormalLens = 39.6;  ///< degrees: what is assumed of a camera of which nothing is known
-constexpr std::size_t kMostSightings = 12000;
+constexpr std::size_t kMostSightings = 6000;
 constexpr double kLargestError = 1.5;  ///< pixels, median: more is no camera
 
 std::string format(const char* pattern, double a, double b = 0) {

@@ -110,12 +110,12 @@ constexpr std::array kRows{
                .reason = "Blender's Combined pass"},
     ChannelRow{.producer = blender,
                .semantic = "normal",
-               .names = "Normal",
+               .names = "Normal|N",
                .components = "XYZ",
                .reason = "Blender writes its Normal pass in world space, -1..1"},
     ChannelRow{.producer = blender,
                .semantic = "position",
-               .names = "Position",
+               .names = "Position|P|point",
                .components = "XYZ",
                .averaged = false,
                .reason = "Blender's Position pass: world space, one sample a pixel, 0 on background"},
@@ -417,7 +417,23 @@ constexpr std::array kRows{
                .reason = "its name"},
 };
 
+constexpr std::array kPasses{
+    PassRow{
+        blender,
+        "Denoising Normal|Denoising Albedo|Denoising Depth|Noisy Image|Vector|UV|Mist|Debug Sample Count|Shadow|"
+        "Shadow Catcher|Env|Environment|DiffDir|DiffInd|DiffCol|GlossDir|GlossInd|GlossCol|TransDir|TransInd|TransCol|"
+        "VolumeDir|VolumeInd|SubsurfaceDir|SubsurfaceInd|SubsurfaceCol|Diffuse Direct|Diffuse Indirect|Diffuse Color|"
+        "Glossy Direct|Glossy Indirect|Glossy Color|Transmission Direct|Transmission Indirect|Transmission Color|"
+        "Volume Direct|Volume Indirect|Subsurface Direct|Subsurface Indirect|Subsurface Color|Combined_*"},
+    PassRow{arnold,
+            "RGBA_*|diffuse_direct|diffuse_indirect|specular_direct|specular_indirect|direct|indirect|motionvector"},
+    PassRow{vray, "lighting|GI|reflect|refract|SSS|rawLight|rawGI|rawReflection|velocity|multimatte*|denoiser*"},
+    PassRow{unknown, "motion|motion_vector|velocity|uv|st|variance|N_variance"},
+};
+
 }  // namespace
+
+std::span<const PassRow> pass_rows() { return kPasses; }
 
 std::span<const SemanticName> semantic_names() { return kSemantics; }
 

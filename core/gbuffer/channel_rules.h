@@ -68,6 +68,13 @@ struct ChannelRow {
 };
 std::span<const ChannelRow> channel_rows();
 
+/// Layers that are light or serve the compositor: no shader parameter takes them by their name.
+struct PassRow {
+    Producer producer = Producer::unknown;  ///< unknown: any
+    std::string_view names{};
+};
+std::span<const PassRow> pass_rows();
+
 struct Detected {
     Producer producer = Producer::unknown;
     std::string name;  ///< "Blender 5.0.1"

@@ -4,15 +4,24 @@
 #include <cstdio>
 
 #include "gbuffer/gbuffer_impl.h"
+#include "gbuffer/names.h"
 #include "gbuffer/sampling.h"
 #include "relume/error.h"
 
 namespace relume {
 
 const gbuffer::Semantic* GBuffer::Impl::find(std::string_view name) const {
-    const auto found =
-        std::find_if(semantics.begin(), semantics.end(), [&](const auto& s) { return s.info.name == name; });
-    return found == semantics.end() ? nullptr : &*found;
+    for (const gbuffer::Semantic& semantic : semantics) {
+        if (semantic.info.name == name) return &semantic;
+    }
+    // "position" and its like mean what they say; a parameter may be called otherwise in the file.
+    if (gbuffer::find_semantic(name) || name == "view") return nullptr;
+    const std::string folded = gbuffer::fold(name);
+    for (const gbuffer::Semantic& semantic : semantics) {
+        if (gbuffer::fold(semantic.info.name) == folded || gbuffer::fold(semantic.layer_name) == folded)
+            return &semantic;
+    }
+    return nullptr;
 }
 
 gbuffer::Semantic* GBuffer::Impl::find(std::string_view name) {

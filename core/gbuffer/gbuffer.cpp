@@ -4,8 +4,7 @@
 #include <algorithm>
 
 #include "gbuffer/gbuffer_impl.h"
-#include "gbuffer/names.h"
-#include "relume/error.h"
+#include "gbuffer/stored_image.h"
 
 namespace relume {
 
@@ -27,15 +26,8 @@ private:
 
 }  // namespace
 
-SourceFile open_file(const std::filesystem::path& path, std::int64_t max_pixels) {
-    const std::string extension = fold(path.extension().string());
-    for (const std::string_view other : {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".hdr", ".tga", ".webp", ".bmp"}) {
-        if (extension == other) {
-            throw Error(ErrorKind::format, path.string() +
-                                               ": librelume reads EXR alone; other images come in through "
-                                               "OpenImageIO (the Python package, or relume::oiio in C++)");
-        }
-    }
+SourceFile open_file(const std::filesystem::path& path, std::int64_t max_pixels, bool color) {
+    if (is_other_image(path)) return open_other_image(path, color);
     io::ReadLimits limits;
     limits.max_pixels = max_pixels;
     auto pixels = std::make_shared<ExrPixels>(io::ExrReader(path, limits));
@@ -69,6 +61,10 @@ const std::vector<ChannelInfo>& GBuffer::channels() const { return impl_->infos;
 const ChannelInfo* GBuffer::find(std::string_view name) const {
     for (const ChannelInfo& info : impl_->infos) {
         if (info.name == name) return &info;
+    }
+    const gbuffer::Semantic* semantic = impl_->find(name);
+    for (const ChannelInfo& info : impl_->infos) {
+        if (semantic && info.name == semantic->info.name) return &info;
     }
     return nullptr;
 }

@@ -34,6 +34,8 @@ struct SourceFile {
     std::shared_ptr<const PixelSource> pixels;
     std::vector<Layer> layers;
     Detected producer;
+    int integer_bits = 0;  ///< of a file that is no EXR: 8 or 16, 0 for floating point
+    bool decoded = false;  ///< its sRGB curve has been taken off
 };
 
 /// One plane of numbers as the producer wrote them.
@@ -47,6 +49,7 @@ struct RawPlane {
 /// A semantic channel and how its raw numbers become canonical ones.
 struct Semantic {
     ChannelInfo info;
+    std::string layer_name;          ///< how its layer is called, as a parameter's name: "specular_ior_level"
     Quantity quantity = Quantity::scalar;
     std::vector<int> raws;    ///< one index into Impl::raws per component
     std::vector<int> glossy;  ///< base colour from a diffuse pass: add metallic times these
@@ -118,6 +121,7 @@ struct GBuffer::Impl {
     std::vector<std::string> notes;
 
     bool in_memory() const { return files.empty(); }
+    /// By its semantic name, else by the name of its layer, in any spelling.
     const gbuffer::Semantic* find(std::string_view name) const;
     gbuffer::Semantic* find(std::string_view name);
     /// Index of the plane at this address, added when it is new.
@@ -140,8 +144,9 @@ std::string interpretation(const Semantic& semantic);
 /// Understands an open file: its header, and a sparse sample of its pixels where that does not tell.
 std::unique_ptr<GBuffer::Impl> understand(SourceFile main, const GBufferOptions& options);
 
-/// Opens an EXR. Errors: file, format; the latter also when the name is that of another kind of image.
-SourceFile open_file(const std::filesystem::path& path, std::int64_t max_pixels);
+/// Opens an EXR, or by set_image_reader() another kind of image. `color` says what it is wanted for.
+/// Errors: file, format.
+SourceFile open_file(const std::filesystem::path& path, std::int64_t max_pixels, bool color = false);
 
 /// Lets a rule that the user gave override what the table says.
 void apply_rule(Semantic& semantic, const ChannelRule& rule);

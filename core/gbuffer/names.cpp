@@ -61,6 +61,14 @@ Match match_layer(std::string_view layer, std::string_view pattern) {
         return {layer.ends_with(ending) ? Fit::exact : Fit::tolerant,
                 dot == std::string_view::npos ? std::string() : std::string(layer.substr(0, dot))};
     }
+    if (pattern.ends_with('*')) {
+        const std::size_t dot = layer.rfind('.');
+        const std::size_t start = dot == std::string_view::npos ? 0 : dot + 1;
+        const std::string_view beginning = pattern.substr(0, pattern.size() - 1);
+        if (!fold(layer.substr(start)).starts_with(fold(beginning))) return {};
+        return {layer.substr(start).starts_with(beginning) ? Fit::exact : Fit::tolerant,
+                std::string(layer.substr(0, start == 0 ? 0 : dot))};
+    }
     const std::vector<std::string_view> words = split(layer, '.');
     const std::string folded = fold(pattern);
     const auto length = static_cast<std::size_t>(std::count(pattern.begin(), pattern.end(), '.')) + 1;

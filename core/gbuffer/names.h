@@ -32,7 +32,8 @@ struct Match {
 };
 
 /// Matches a layer's name against a pattern: the whole name, or its last parts ("ViewLayer.Normal" for "Normal"). A
-/// pattern that starts with '*' matches any ending ("FinalImageMovieRenderQueue_WorldNormal" for "*WorldNormal").
+/// pattern that starts with '*' matches any ending ("FinalImageMovieRenderQueue_WorldNormal" for "*WorldNormal"), one
+/// that ends with '*' any last word that starts so.
 Match match_layer(std::string_view layer, std::string_view pattern);
 
 }  // namespace relume::gbuffer

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "cryptomatte/cryptomatte.h"
 #include "gbuffer/names.h"
 #include "relume/error.h"
 
@@ -240,20 +241,28 @@ std::vector<std::string> full_names(const std::vector<const Component*>& compone
 
 std::string contents(const SourceFile& file) {
     std::string text;
-    std::set<const Layer*> told;
+    std::set<const Component*> told;
+    const auto add = [&](const std::string& words) { text += (text.empty() ? "" : ", ") + words; };
     for (const SemanticName& semantic : semantic_names()) {
         const std::vector<Candidate> found = candidates(file, semantic.name);
-        if (found.empty() || !told.insert(found.front().layer).second) continue;
-        text += (text.empty() ? "" : ", ") + std::string(semantic.label) + " (" +
-                join(full_names(found.front().components)) + ")";
+        if (found.empty() || told.contains(found.front().components.front())) continue;
+        told.insert(found.front().components.begin(), found.front().components.end());
+        add(std::string(semantic.label) + " (" + join(full_names(found.front().components)) + ")");
     }
+    for (const cryptomatte::LayerInfo& info : cryptomatte::layer_infos(file.header))
+        add("Cryptomatte '" + info.name + "'");
+    constexpr int kMostOthers = 12;
     int others = 0;
     for (const Layer& layer : file.layers) {
-        if (told.contains(&layer) || ++others > 12) continue;
-        text += (text.empty() ? "" : ", ") + (layer.label().empty() ? std::string("channels without a name")
-                                                                    : "'" + std::string(layer.label()) + "'");
+        const bool known = std::any_of(layer.components.begin(), layer.components.end(),
+                                       [&](const Component& component) { return told.contains(&component); });
+        if (known || ++others > kMostOthers) continue;
+        std::vector<std::string> names;
+        for (const Component& component : layer.components)
+            names.push_back(component.full_name);
+        add(layer.label().empty() ? join(names) : "'" + std::string(layer.label()) + "'");
     }
-    if (others > 12) text += " and " + std::to_string(others - 12) + " more layers";
+    if (others > kMostOthers) text += " and " + std::to_string(others - kMostOthers) + " more layers";
     return text.empty() ? "no channels that can be read" : text;
 }
 

@@ -123,10 +123,13 @@ private:
             const std::filesystem::path beside = file(0).path.parent_path() / path;
             if (std::filesystem::exists(beside, ignored)) path = beside;
         }
+        const SemanticName* meaning = find_semantic(semantic);
+        const bool color = meaning && meaning->quantity == Quantity::color;
         for (std::size_t i = 0; i < impl_->files.size(); ++i) {
-            if (impl_->files[i].path == path) return static_cast<int>(i);
+            const SourceFile& known = impl_->files[i];
+            if (known.path == path && (known.integer_bits != 8 || known.decoded == color)) return static_cast<int>(i);
         }
-        SourceFile opened = open_file(path, options_.max_pixels);
+        SourceFile opened = open_file(path, options_.max_pixels, color);
         const int index = static_cast<int>(impl_->files.size());
         for (Layer& layer : opened.layers) {
             for (Component& component : layer.components)
@@ -244,6 +247,12 @@ private:
                 }
             }
         }
+        if (file(from).integer_bits > 0 && semantic.quantity == Quantity::direction) {
+            s.detect_encoding = false;
+            s.encoding = Encoding::zero_to_one;
+            s.info.reason += "; whole numbers hold vectors as (v + 1)/2";
+        }
+        if (file(from).decoded) s.info.reason += "; colours of 8 bits are decoded from sRGB";
         apply_rule(s, rule);
         add(std::move(s));
     }
@@ -270,6 +279,7 @@ private:
         s.info.name = semantic.name;
         s.info.components = static_cast<int>(components.size());
         s.info.sources = full_names(components);
+        s.layer_name = layer_name(*components.front());
         const Address& address = components.front()->address;
         const SourceFile& source = file(address.file);
         s.info.file = source.path.string();
@@ -279,6 +289,17 @@ private:
         for (const Component* component : components)
             s.raws.push_back(impl_->raw_of(*component));
         return s;
+    }
+
+    /// The name of the layer that a component belongs to, without the chosen group.
+    std::string layer_name(const Component& component) {
+        for (const Layer& layer : file(component.address.file).layers) {
+            if (&component < layer.components.data() || &component >= layer.components.data() + layer.components.size()) continue;
+            std::string_view label = layer.label();
+            if (!choice_.group.empty() && label.starts_with(choice_.group + ".")) label.remove_prefix(choice_.group.size() + 1);
+            return parameter_name(label);
+        }
+        return {};
     }
 
     void apply_row(Semantic& s, const ChannelRow& row) {
@@ -355,9 +376,22 @@ private:
         }
     }
 
+    bool is_pass(std::string_view label) const {
+        for (const PassRow& row : pass_rows()) {
+            if (row.producer != Producer::unknown && row.producer != impl_->files.front().producer.producer) continue;
+            for (const std::string_view name : split(row.names, '|')) {
+                const Fit fit = match_layer(label, name).fit;
+                // User AOVs are spelt as their users like: a pass has its exact name.
+                if (fit == Fit::exact || (fit == Fit::tolerant && row.producer == Producer::unknown)) return true;
+            }
+        }
+        return false;
+    }
+
     /// Every other layer of the choice answers to the shader parameter of its name.
     void take_parameters() {
         const ProducerTraits& producer = traits(file(0).producer.producer);
+        std::string left_alone;
         for (const Layer& layer : file(0).layers) {
             if (used_.contains(&layer) || is_cryptomatte(layer) || layer.view != choice_.view || layer.label().empty())
                 continue;
@@ -365,6 +399,10 @@ private:
             if (!choice_.group.empty()) {
                 if (!label.starts_with(choice_.group + ".")) continue;
                 label.remove_prefix(choice_.group.size() + 1);
+            }
+            if (is_pass(label)) {
+                left_alone += (left_alone.empty() ? "" : ", ") + std::string(label);
+                continue;
             }
             const std::string name = parameter_name(label);
             if (impl_->find(name) || find_semantic(name)) continue;
@@ -376,6 +414,9 @@ private:
             s.averaged = producer.averaged;
             s.info.reason = "its name: a shader parameter of this name takes it";
             add(std::move(s));
+        }
+        if (!left_alone.empty()) {
+            impl_->notes.push_back("passes of light and for compositing are left alone: " + left_alone);
         }
         // In Blender the alpha of any colour AOV is the coverage of the surfaces that write it.
         if (impl_->coverage.raws.empty() && base_alpha_ && file(0).producer.producer == Producer::blender) {

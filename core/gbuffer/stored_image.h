@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include "gbuffer/gbuffer_impl.h"
+
+namespace relume::gbuffer {
+
+/// Whether a file is one of those that are not EXR, by its name.
+bool is_other_image(const std::filesystem::path& path);
+
+/// Such a file as a source of one part, by the reader that set_image_reader() was given. `decode` takes the colours of
+/// 8-bit files through the sRGB curve. Errors: format when there is no reader, and the reader's own.
+SourceFile open_other_image(const std::filesystem::path& path, bool decode);
+
+}  // namespace relume::gbuffer
