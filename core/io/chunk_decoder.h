@@ -27,7 +27,7 @@ private:
     int part_;
     bool initialized_ = false;
     exr_result_t (*decompress_)(exr_decode_pipeline_t*) = nullptr;
-    exr_decode_pipeline_t pipeline_ = EXR_DECODE_PIPELINE_INITIALIZER;
+    exr_decode_pipeline_t pipeline_ = empty_pipeline<exr_decode_pipeline_t>();
 };
 
 /// The idle decoders of one part: as many come to be as threads read at once.

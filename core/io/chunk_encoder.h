@@ -30,7 +30,7 @@ private:
     const Part& part_;
     std::span<const ConstPlane> channels_;
     bool initialized_ = false;
-    exr_encode_pipeline_t pipeline_ = EXR_ENCODE_PIPELINE_INITIALIZER;
+    exr_encode_pipeline_t pipeline_ = empty_pipeline<exr_encode_pipeline_t>();
 };
 
 /// The compressor of one part: OpenEXRCore's settings for it, and the idle encoders.

@@ -53,6 +53,16 @@ private:
 /// Initialiser with our error handler, which keeps the first message of this thread until throw_core_error() takes it.
 exr_context_initializer_t core_initializer();
 
+/// What EXR_DECODE_PIPELINE_INITIALIZER and its like stand for; OpenEXRCore 3.1 has no size field.
+template <typename Pipeline>
+Pipeline empty_pipeline() {
+    Pipeline pipeline{};
+    if constexpr (requires { pipeline.pipe_size; }) {
+        pipeline.pipe_size = sizeof pipeline;
+    }
+    return pipeline;
+}
+
 /// Forgets an error that was expected.
 void clear_core_error() noexcept;
 

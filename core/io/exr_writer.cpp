@@ -64,8 +64,8 @@ struct ExrWriter::Impl {
         }
         const int top = y - window.y;
         if (y < window.y || rows < 1 || rows > window.y_end() - y || top % rows_per_chunk != 0 ||
-            (rows % rows_per_chunk != 0 && y + rows != window.y_end())) {
-            refuse("rows " + std::to_string(y) + ".." + std::to_string(y + rows - 1) +
+            (rows % rows_per_chunk != 0 && rows != window.y_end() - y)) {
+            refuse("rows " + std::to_string(y) + ".." + std::to_string(std::int64_t{y} + rows - 1) +
                    " do not start and end at multiples of " + std::to_string(rows_per_chunk) + " within the data window");
         }
         if (channels.size() != orders[static_cast<std::size_t>(part)].size()) {
