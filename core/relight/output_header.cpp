@@ -54,12 +54,6 @@ std::vector<io::Attribute> metadata(const GBuffer& gbuffer, const Rig& rig) {
     return out;
 }
 
-io::Compression compression_named(std::string_view name) {
-    constexpr std::array kNames{"none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab", "htj2k256", "htj2k32", "zstd"};
-    const auto found = std::find(kNames.begin(), kNames.end(), name);
-    return static_cast<io::Compression>(found - kNames.begin());
-}
-
 /// The name that a choice has in the table.
 std::string_view choice_name(const Rig& rig, std::string_view parameter) {
     const auto table = output_parameters();
@@ -73,7 +67,8 @@ std::string_view choice_name(const Rig& rig, std::string_view parameter) {
 
 OutputLayout output_layout(const GBuffer& gbuffer, const Rig& rig, const Plan& plan) {
     OutputLayout out;
-    out.options.compression = compression_named(choice_name(rig, "compression"));
+    // The table offers what EXR has, so the name is known.
+    out.options.compression = io::compression_from_name(choice_name(rig, "compression")).value();
     out.options.zip_level = static_cast<int>(rig.output.values.number(output_parameters(), "compression_level"));
     const PixelType type = choice_name(rig, "type") == "float" ? PixelType::float32 : PixelType::half;
 
