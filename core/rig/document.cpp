@@ -1,6 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rig/document.h"
 
+#include <stdexcept>
+
+// toml++ 3.3 asserts what a damaged text can make false ("[ ." does), and with NDEBUG it tells the compiler to rely on it.
+// Here a broken assumption ends the parse instead.
+#if __has_include(<toml++/impl/preprocessor.h>)
+#  include <toml++/impl/preprocessor.h>
+namespace relume::rigfile {
+struct BrokenAssumption : std::logic_error {
+    using std::logic_error::logic_error;
+};
+constexpr void assume(bool holds) {
+    if (!holds) throw BrokenAssumption("toml++");
+}
+}  // namespace relume::rigfile
+#  undef TOML_ASSERT
+#  undef TOML_ASSERT_ASSUME
+#  define TOML_ASSERT(expr) ::relume::rigfile::assume(static_cast<bool>(expr))
+#  define TOML_ASSERT_ASSUME(expr) ::relume::rigfile::assume(static_cast<bool>(expr))
+#endif
 #include <toml++/toml.h>
 
 #include <algorithm>
@@ -134,6 +153,31 @@ private:
     std::size_t at_ = 0;
 };
 
+/// What toml++ says of the text; a broken assumption of it is an error of the text.
+std::optional<toml::table> parsed(std::string_view text, std::string_view name) {
+    try {
+        return toml::parse(text, name);
+    } catch (const std::logic_error&) {
+        return std::nullopt;
+    }
+}
+
+/// The line up to which the text has to be read for parsed() to have no answer.
+std::uint32_t broken_line(std::string_view text) {
+    std::vector<std::size_t> ends;
+    for (std::size_t at = 0; (at = text.find('\n', at)) != std::string_view::npos;) ends.push_back(++at);
+    ends.push_back(text.size());
+    const auto broken = [&](std::size_t end) {
+        try {
+            return !parsed(text.substr(0, end), {});
+        } catch (const toml::parse_error&) {
+            return false;  // a string or list that goes on in the next line
+        }
+    };
+    const auto first = std::partition_point(ends.begin(), ends.end(), [&](std::size_t end) { return !broken(end); });
+    return static_cast<std::uint32_t>(first - ends.begin()) + 1;
+}
+
 /// toml++'s words without what names toml++ itself.
 std::string plain(std::string_view description) {
     std::string text(description.substr(0, description.find(" (TOML_MAX")));
@@ -167,7 +211,8 @@ Node::Table parse(const Source& source) {
     if (const auto deep = DotScan(source.text).too_deep())
         throw Error(ErrorKind::rig, "a key of more than " + std::to_string(kMostDots) + " parts at " + source.place(*deep));
     try {
-        return convert_table(toml::parse(std::string_view(source.text), std::string_view(source.name)), 0);
+        if (const auto table = parsed(source.text, source.name)) return convert_table(*table, 0);
+        throw Error(ErrorKind::rig, "not valid TOML at " + source.place({broken_line(source.text), 1}));
     } catch (const toml::parse_error& error) {
         throw Error(ErrorKind::rig, "not valid TOML at " + source.place(place_of(error.source())) + ": " + plain(error.description()));
     }
@@ -189,9 +234,10 @@ Node parse_value(std::string_view text) {
     const std::string document = "value = " + word;
     if (DotScan(document).too_deep()) return refuse("; a key in it has too many parts");
     try {
-        const toml::table table = toml::parse(std::string_view(document));
-        const toml::node* node = table.get("value");
-        return node == nullptr || table.size() != 1 ? bare : convert(*node, 1);
+        const auto table = parsed(document, {});
+        if (!table) return refuse({});
+        const toml::node* node = table->get("value");
+        return node == nullptr || table->size() != 1 ? bare : convert(*node, 1);
     } catch (const toml::parse_error& error) {
         return refuse(": " + plain(error.description()));
     }

@@ -148,10 +148,10 @@ std::vector<std::int64_t> parse_frames(std::string_view text) {
         const Range range = parse_range(part);
         // The span is unsigned: the ends may lie further apart than int64 reaches.
         const std::uint64_t span = static_cast<std::uint64_t>(range.last) - static_cast<std::uint64_t>(range.first);
-        const std::uint64_t count = span / static_cast<std::uint64_t>(range.step) + 1;
-        if (count > kMostFrames || frames.size() + count > kMostFrames) refuse(part, "more than a million frames");
-        for (std::uint64_t k = 0; k < count; ++k) {
-            const std::int64_t frame = range.first + static_cast<std::int64_t>(k) * range.step;
+        const auto step = static_cast<std::uint64_t>(range.step);
+        if (span / step >= kMostFrames - frames.size()) refuse(part, "more than a million frames");
+        for (std::uint64_t k = 0; k <= span / step; ++k) {
+            const auto frame = static_cast<std::int64_t>(static_cast<std::uint64_t>(range.first) + k * step);
             if (known.insert(frame).second) frames.push_back(frame);
         }
     }

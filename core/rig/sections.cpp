@@ -20,7 +20,7 @@ constexpr std::string_view kLaterLights[] = {"rect", "disk", "sphere", "environm
 /// The mistakes that a matrix is given with: columns for rows, or all of it flat.
 void check_matrix(const Value& value) {
     const auto& m = std::get<std::vector<double>>(value);
-    const auto wrong = [](const char* why, const char* hint) { throw Problem(Problem::Cause::range, std::string("camera: matrix ") + why, hint); };
+    const auto wrong = [](const char* why, const char* hint) { throw Problem(Problem::Cause::range, std::string("[camera]: matrix ") + why, hint); };
     const auto near = [](double a, double b) { return std::abs(a - b) < 1e-6; };
     if (!near(m[12], 0) || !near(m[13], 0) || !near(m[14], 0) || !near(m[15], 1))
         wrong("does not end in 0, 0, 0, 1",
