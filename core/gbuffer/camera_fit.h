@@ -17,6 +17,7 @@ struct Sighting {
     double u = 0;
     double v = 0;
     Vector3 point{};
+    double depth = 0;  ///< as the depth channel has it; 0 when there is none
 };
 
 struct CameraFit {
@@ -36,6 +37,11 @@ std::optional<CameraFit> fit_camera(std::span<const Sighting> sightings, const W
 
 /// A 3×4 projection (rows give u·w, v·w and w of pixel coordinates) as a camera. Nothing when it is singular.
 std::optional<Camera> camera_from_projection(const std::array<double, 12>& projection);
+/// The same for parallel rays: w is constant.
+std::optional<Camera> camera_from_affine(const std::array<double, 12>& projection);
+
+/// Depth of a point along the view axis.
+double planar_depth(const Camera& camera, const Vector3& point);
 
 /// Pixel coordinates that see `point`; infinite when it is behind the camera.
 std::array<double, 2> project(const Camera& camera, const Vector3& point);

@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "gbuffer/camera_fit.h"
+#include "gbuffer/camera_header.h"
 #include "gbuffer/gbuffer_impl.h"
 #include "gbuffer/sampling.h"
 #include "relume/error.h"
@@ -15,55 +17,58 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kNormalLens = 39.6;  ///< degrees: what is assumed of a camera of which nothing is known
 constexpr std::size_t kMostSightings = 6000;
+constexpr std::size_t kLeastSightings = 24;
 constexpr double kLargestError = 1.5;  ///< pixels, median: more is no camera
 
 std::string format(const char* pattern, double a, double b = 0) {
-    char text[160];
+    char text[200];
     std::snprintf(text, sizeof text, pattern, a, b);
     return text;
 }
 
 struct RowPoints {
     const SampledRow& row;
-    int first;
+    std::size_t first;
     const Semantic& position;
 
     Vector3 at(std::size_t i) const {
         Vector3 p{};
         for (std::size_t k = 0; k < 3; ++k) {
-            double v = row.planes[static_cast<std::size_t>(first) + k][i];
+            double v = row.planes[first + k][i];
             if (position.encoding == Encoding::zero_to_one) v = 2 * v - 1;
             p[k] = v * static_cast<double>(position.sign[k]);
         }
         return p;
     }
     bool valid(std::size_t i) const {
-        const auto value = [&](std::size_t k) { return row.planes[static_cast<std::size_t>(first) + k][i]; };
+        const auto value = [&](std::size_t k) { return row.planes[first + k][i]; };
         return (value(0) != 0 || value(1) != 0 || value(2) != 0) && std::isfinite(value(0) + value(1) + value(2));
     }
 };
 
 /// Pixels whose positions can be trusted: two neighbours on either side are surface too, and it goes on evenly there.
-std::vector<Sighting> sightings(const GBuffer::Impl& impl, std::span<const SampledRow> rows, int first) {
+std::vector<Sighting> sightings(const GBuffer::Impl& impl, std::span<const SampledRow> rows, int first, int depth) {
     const Semantic& position = *impl.find("position");
     std::vector<Sighting> all;
     for (const SampledRow& row : rows) {
-        const RowPoints points{row, first, position};
-        const std::size_t width = row.planes[static_cast<std::size_t>(first)].size();
+        const RowPoints points{row, static_cast<std::size_t>(first), position};
+        const std::size_t width = row.planes[points.first].size();
         for (std::size_t i = 0; i < width; ++i) {
             if (!points.valid(i)) continue;
+            const Vector3 p = points.at(i);
             // Narrow images have no neighbours to ask.
             if (width >= 16) {
                 if (i < 2 || i + 2 >= width) continue;
                 if (!points.valid(i - 2) || !points.valid(i - 1) || !points.valid(i + 1) || !points.valid(i + 2))
                     continue;
-                const Vector3 p = points.at(i);
                 const double inner = std::max(length(minus(p, points.at(i - 1))), length(minus(p, points.at(i + 1))));
                 const double outer = std::max(length(minus(points.at(i - 1), points.at(i - 2))),
                                               length(minus(points.at(i + 1), points.at(i + 2))));
                 if (inner > 4 * outer) continue;
             }
-            all.push_back({impl.data_window.x + static_cast<double>(i) + 0.5, row.y + 0.5, points.at(i)});
+            const double d = depth < 0 ? 0 : static_cast<double>(row.planes[static_cast<std::size_t>(depth)][i]);
+            all.push_back(
+                {impl.data_window.x + static_cast<double>(i) + 0.5, row.y + 0.5, p, d > 0 && d < 1e9 ? d : 0});
         }
     }
     if (all.size() <= kMostSightings) return all;
@@ -74,105 +79,213 @@ std::vector<Sighting> sightings(const GBuffer::Impl& impl, std::span<const Sampl
     return some;
 }
 
-/// Lens numbers of a camera that sees the display window under a horizontal angle.
-void set_lens(Camera& camera, const GBuffer::Impl& impl, double half_width) {
-    const Window& w = impl.display_window;
-    // A pixel is pixel_aspect times as wide as it is high.
-    camera.x_scale = 2 * half_width / w.width;
-    camera.y_scale = -camera.x_scale / static_cast<double>(impl.pixel_aspect);
-    camera.x_offset = -(w.x + w.width / 2.0) * camera.x_scale;
-    camera.y_offset = -(w.y + w.height / 2.0) * camera.y_scale;
-}
+struct GivenLens {
+    Projection projection = Projection::perspective;
+    double half_width = 0;
+    std::string reason;
+};
 
-std::optional<double> given_half_width(const GBufferOptions& options, std::string& what) {
+std::optional<GivenLens> given_lens(const GBufferOptions& options) {
     if (options.projection == Projection::orthographic || (options.width && !options.fov && !options.focal_length)) {
-        if (!options.width) {
+        if (!options.width || !(*options.width > 0)) {
             throw Error(ErrorKind::value,
                         "an orthographic camera needs `width`: the world units across the display window");
         }
-        what = format("an orthographic width of %.6g", *options.width);
-        return *options.width / 2;
+        return GivenLens{Projection::orthographic, *options.width / 2,
+                         format("an orthographic width of %.6g", *options.width)};
     }
     if (options.fov) {
         if (!(*options.fov > 0 && *options.fov < 180)) {
             throw Error(ErrorKind::value,
                         format("camera fov is %.6g degrees; it lies between 0 and 180", *options.fov));
         }
-        what = format("a field of view of %.6g degrees", *options.fov);
-        return std::tan(*options.fov * kPi / 360);
+        return GivenLens{Projection::perspective, std::tan(*options.fov * kPi / 360),
+                         format("a field of view of %.6g degrees", *options.fov)};
     }
     if (options.focal_length) {
         const double aperture = options.horizontal_aperture.value_or(36.0);
         if (!(*options.focal_length > 0) || !(aperture > 0)) {
             throw Error(ErrorKind::value, "camera focal_length and horizontal_aperture are lengths greater than 0");
         }
-        what = format("a focal length of %.6g on an aperture of %.6g", *options.focal_length, aperture);
-        return aperture / (2 * *options.focal_length);
+        return GivenLens{Projection::perspective, aperture / (2 * *options.focal_length),
+                         format("a focal length of %.6g on an aperture of %.6g", *options.focal_length, aperture)};
     }
     return std::nullopt;
 }
 
-Projection given_projection(const GBufferOptions& options) {
-    const bool width_alone = options.width && !options.fov && !options.focal_length;
-    return options.projection.value_or(width_alone ? Projection::orthographic : Projection::perspective);
+void take_lens(Camera& camera, const Camera& lens) {
+    camera.projection = lens.projection;
+    camera.x_scale = lens.x_scale;
+    camera.x_offset = lens.x_offset;
+    camera.y_scale = lens.y_scale;
+    camera.y_offset = lens.y_offset;
+}
+
+/// Whether the camera stands at the origin with its axes along those of the space: +1 looking down −Z, −1 looking along
+/// +Z (then its right-handed frame is turned), 0 otherwise.
+int own_space(const Camera& camera, double size) {
+    const std::array<double, 16>& m = camera.camera_to_world;
+    constexpr double kAlmost = 2e-3;
+    const bool at_origin = std::abs(m[3]) + std::abs(m[7]) + std::abs(m[11]) < kAlmost * size;
+    if (!at_origin || camera.projection != Projection::perspective) return 0;
+    if (std::abs(std::abs(m[0]) - 1) > kAlmost || std::abs(m[5] - 1) > kAlmost) return 0;
+    return m[10] > 0 ? 1 : -1;
 }
 
 class CameraSetup {
 public:
-    CameraSetup(GBuffer::Impl& impl, const GBufferOptions& options, std::span<const SampledRow> rows, int first_plane)
-        : impl_(impl), options_(options), rows_(rows), first_plane_(first_plane) {}
+    CameraSetup(GBuffer::Impl& impl, const GBufferOptions& options, const CameraSample& sample)
+        : impl_(impl), options_(options), sample_(sample) {}
 
     void run() {
-        std::string lens_given;
-        const std::optional<double> half_width = given_half_width(options_, lens_given);
-        if (first_plane_ >= 0) recover();
+        const std::optional<GivenLens> lens = given_lens(options_);
+        if (sample_.position >= 0) look_at_positions();
+        if (!impl_.in_memory()) {
+            readings_ = header_cameras(impl_.files.front().header, impl_.files.front().producer.producer,
+                                       impl_.display_window, aspect());
+            header_lens_ = header_lens(impl_.files.front().header);
+        }
         if (options_.camera_matrix) {
-            from_matrix(half_width, lens_given);
-        } else if (fit_) {
-            accept_fit();
-        } else if (half_width) {
-            Camera camera;
-            camera.projection = given_projection(options_);
-            set_lens(camera, impl_, *half_width);
-            impl_.camera = camera;
-            impl_.camera_reason =
-                lens_given +
-                " was given; world space is taken as camera space, since nothing tells where the camera stands";
-        } else {
+            from_matrix(lens);
+        } else if (!from_header(lens) && !from_positions() && !from_options(lens)) {
             assume();
         }
         if (impl_.camera) {
             impl_.view_camera = *impl_.camera;
             impl_.view_source = ViewSource::camera;
+            compare(lens);
         }
         // Camera space to world space, by the pose.
         const std::array<double, 16>& m = impl_.view_camera.camera_to_world;
         std::copy(m.begin(), m.begin() + 12, impl_.to_world.begin());
+        if (impl_.camera && !seen_.empty() && impl_.find("depth")) judge_depth();
+        if (impl_.camera) judge_normals();
     }
 
 private:
-    void recover() {
-        std::vector<Sighting> seen = sightings(impl_, rows_, first_plane_);
-        std::string why;
-        fit_ = fit_camera(seen, impl_.display_window, static_cast<double>(impl_.pixel_aspect), why);
+    double aspect() const { return static_cast<double>(impl_.pixel_aspect); }
+
+    void look_at_positions() {
+        seen_ = sightings(impl_, sample_.rows, sample_.position, planar_depth_plane(sample_.depth));
+        fit();
         if (!fit_ && !impl_.data_window.empty()) {
             // Little of the picture may be surface: look at all of it.
-            const std::vector<SampledRow> dense = sample_rows(impl_, impl_.find("position")->raws, true);
-            seen = sightings(impl_, dense, 0);
-            fit_ = fit_camera(seen, impl_.display_window, static_cast<double>(impl_.pixel_aspect), why);
+            std::vector<int> raws = impl_.find("position")->raws;
+            const Semantic* depth = impl_.find("depth");
+            if (depth) raws.push_back(depth->raws.front());
+            const std::vector<SampledRow> dense = sample_rows(impl_, raws, true);
+            seen_ = sightings(impl_, dense, 0, planar_depth_plane(depth ? 3 : -1));
+            fit();
         }
         if (fit_ && !(fit_->median_error < kLargestError)) {
-            why = format("the best pinhole camera misses the positions by %.3g pixels", fit_->median_error);
+            why_ = format("the best pinhole camera misses the positions by %.3g pixels", fit_->median_error);
             fit_.reset();
         }
-        if (!fit_) impl_.notes.push_back("no camera from the positions: " + why);
-        count_ = seen.size();
+        if (fit_) judge_position_space();
     }
 
-    void accept_fit() {
+    int planar_depth_plane(int plane) const {
+        const Semantic* depth = impl_.find("depth");
+        return depth && !depth->far ? plane : -1;
+    }
+
+    void fit() { fit_ = fit_camera(seen_, impl_.display_window, aspect(), why_); }
+
+    /// Positions that put the camera at the origin, straight ahead, are in camera space whatever the table says.
+    void judge_position_space() {
+        Semantic& position = *impl_.find("position");
+        if (!position.detect_space) return;
+        double size = 0;
+        for (const Sighting& s : seen_)
+            size += length(s.point) / static_cast<double>(seen_.size());
+        const int own = own_space(fit_->camera, size);
+        if (position.space == Space::camera && own == 0) {
+            position.space = Space::world;
+            position.sign = {1, 1, 1};
+            position.info.reason += "; but the camera that they determine does not stand at their origin: world space";
+            refit();
+        } else if (own != 0 && (position.space == Space::world || own < 0)) {
+            position.space = Space::camera;
+            if (own < 0) position.sign[2] *= -1;
+            position.info.reason +=
+                std::string("; the camera that they determine stands at their origin and looks along ") +
+                (own > 0 ? "-Z" : "+Z") + ": camera space";
+            if (own < 0) refit();
+        }
+    }
+
+    void refit() {
+        seen_ = sightings(impl_, sample_.rows, sample_.position, planar_depth_plane(sample_.depth));
+        fit();
+    }
+
+    bool in_camera_space() const {
+        const Semantic* position = impl_.find("position");
+        return position && position->space == Space::camera;
+    }
+
+    bool from_header(const std::optional<GivenLens>& lens) {
+        if (readings_.empty()) return false;
+        const bool testable = seen_.size() >= kLeastSightings && !in_camera_space();
+        const HeaderCamera* best = nullptr;
+        double best_error = std::numeric_limits<double>::infinity();
+        Camera camera;
+        std::string lens_reason;
+        for (const HeaderCamera& reading : readings_) {
+            Camera candidate = reading.camera;
+            std::string words;
+            if (!reading.has_lens && !complete(candidate, lens, words)) continue;
+            const double error = testable ? median_reprojection_error(candidate, seen_) : reading.implausible;
+            if (!(error < best_error)) continue;
+            best = &reading;
+            best_error = error;
+            camera = candidate;
+            lens_reason = words;
+        }
+        if (!best) return false;
+        if (testable && !(best_error < kLargestError)) {
+            impl_.notes.push_back("the camera in the header does not fit the positions in any reading (best: " +
+                                  best->reason + format(", %.3g pixels off): it is not used", best_error));
+            return false;
+        }
+        impl_.camera = camera;
+        impl_.camera_reason = best->reason + lens_reason;
+        if (testable) {
+            impl_.camera_error = best_error;
+            impl_.camera_reason += format("; the positions confirm it to %.2g px", best_error);
+        } else {
+            impl_.camera_reason += in_camera_space() ? "" : "; there are no positions to confirm it";
+        }
+        return true;
+    }
+
+    /// A pose needs a lens: the header's own, the positions', the user's, or the usual one.
+    bool complete(Camera& camera, const std::optional<GivenLens>& lens, std::string& words) const {
+        if (fit_) {
+            take_lens(camera, fit_->camera);
+            words = "; the lens is recovered from the positions";
+        } else if (header_lens_) {
+            set_lens(camera, impl_.display_window, aspect(), header_lens_->half_width);
+            words = "; " + header_lens_->reason;
+        } else if (lens) {
+            camera.projection = lens->projection;
+            set_lens(camera, impl_.display_window, aspect(), lens->half_width);
+            words = "; " + lens->reason + " was given";
+        } else {
+            set_lens(camera, impl_.display_window, aspect(), std::tan(kNormalLens * kPi / 360));
+            words = format("; no lens is stated, a field of view of %.3g degrees is assumed", kNormalLens);
+        }
+        return true;
+    }
+
+    bool from_positions() {
+        if (!fit_) {
+            if (sample_.position >= 0) impl_.notes.push_back("no camera from the positions: " + why_);
+            return false;
+        }
         impl_.camera = fit_->camera;
         impl_.camera_error = fit_->median_error;
-        std::string reason = "recovered from the positions of " + std::to_string(count_) + " pixels" +
+        std::string reason = "recovered from the positions of " + std::to_string(seen_.size()) + " pixels" +
                              format(", median reprojection error %.2g px", fit_->median_error);
         if (fit_->camera.projection == Projection::orthographic) {
             reason += ", orthographic";
@@ -183,45 +296,87 @@ private:
         if (fit_->planar) reason += "; all lie on one plane, so square pixels and a centred lens are assumed";
         if (fit_->mirrored) reason += "; the world is left-handed";
         impl_.camera_reason = std::move(reason);
-        // Positions in camera space: the pose is what takes them to themselves.
-        if (impl_.find("position")->space == Space::camera) {
+        if (in_camera_space()) {
+            // The fitted pose is the identity up to rounding.
+            impl_.camera->camera_to_world = Camera{}.camera_to_world;
             impl_.notes.push_back(
                 "positions are in camera space and nothing tells where the camera stands: lights are placed in camera "
                 "space");
         }
+        return true;
     }
 
-    void from_matrix(std::optional<double> half_width, const std::string& lens_given) {
+    bool from_options(const std::optional<GivenLens>& lens) {
+        if (!lens) return false;
         Camera camera;
-        if (half_width) {
-            camera.projection = given_projection(options_);
-            set_lens(camera, impl_, *half_width);
-            impl_.camera_reason = "the matrix and " + lens_given + " were given";
-        } else if (fit_) {
-            camera = fit_->camera;
-            impl_.camera_reason = "the matrix was given, the lens is recovered from the positions";
-        } else {
-            set_lens(camera, impl_, std::tan(kNormalLens * kPi / 360));
-            impl_.camera_reason =
-                format("the matrix was given; a field of view of %.3g degrees is assumed", kNormalLens);
-        }
+        camera.projection = lens->projection;
+        set_lens(camera, impl_.display_window, aspect(), lens->half_width);
+        impl_.camera = camera;
+        impl_.camera_reason =
+            lens->reason +
+            " was given; world space is taken as camera space, since nothing tells where the camera stands";
+        return true;
+    }
+
+    void from_matrix(const std::optional<GivenLens>& lens) {
         const std::array<double, 16>& m = *options_.camera_matrix;
         for (const double v : m) {
             if (!std::isfinite(v)) throw Error(ErrorKind::value, "camera matrix: a number that is not finite");
         }
-        if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1) {
+        if (std::abs(m[12]) + std::abs(m[13]) + std::abs(m[14]) + std::abs(m[15] - 1) > 1e-6) {
             throw Error(ErrorKind::value,
                         "camera matrix: its last row is not 0 0 0 1; give it row by row, for column vectors");
         }
+        Camera camera;
+        std::string words;
+        if (lens) {
+            camera.projection = lens->projection;
+            set_lens(camera, impl_.display_window, aspect(), lens->half_width);
+            words = " and " + lens->reason + " were given";
+        } else {
+            const auto with_lens =
+                std::find_if(readings_.begin(), readings_.end(), [](const auto& r) { return r.has_lens; });
+            if (!fit_ && with_lens != readings_.end()) {
+                take_lens(camera, with_lens->camera);
+                words = " was given; the lens is that of " + with_lens->reason;
+            } else {
+                complete(camera, lens, words);
+                words = " was given" + words;
+            }
+        }
         camera.camera_to_world = m;
+        for (std::size_t j = 0; j < 3; ++j) {
+            const double size = std::sqrt(m[j] * m[j] + m[4 + j] * m[4 + j] + m[8 + j] * m[8 + j]);
+            if (!(size > 1e-12)) throw Error(ErrorKind::value, "camera matrix: one of its axes has no length");
+            for (std::size_t i = 0; i < 3; ++i)
+                camera.camera_to_world[4 * i + j] /= size;
+        }
         impl_.camera = camera;
+        impl_.camera_reason = "the matrix" + words;
+        if (fit_ && !in_camera_space()) {
+            const double error = median_reprojection_error(camera, seen_);
+            if (!(error < 2)) {
+                impl_.notes.push_back(format(
+                    "the camera that was given sees the positions %.3g pixels (median) from where they are", error));
+            }
+        }
+    }
+
+    /// A lens that was given but not needed, and says something else.
+    void compare(const std::optional<GivenLens>& lens) {
+        if (!lens || options_.camera_matrix || lens->projection != impl_.camera->projection) return;
+        const double half_width = impl_.display_window.width * std::abs(impl_.camera->x_scale) / 2;
+        if (std::abs(half_width / lens->half_width - 1) < 0.01) return;
+        impl_.notes.push_back(
+            lens->reason +
+            format(" was given but not used: the camera found shows %.6g across at distance 1", 2 * half_width));
     }
 
     void assume() {
         const Semantic* normal = impl_.find("normal");
         impl_.camera_reason = "neither header nor positions nor options give one";
         if (normal && normal->space == Space::camera) {
-            set_lens(impl_.view_camera, impl_, std::tan(kNormalLens * kPi / 360));
+            set_lens(impl_.view_camera, impl_.display_window, aspect(), std::tan(kNormalLens * kPi / 360));
             impl_.view_source = ViewSource::camera;
             impl_.notes.push_back(
                 format("no camera: normals are in camera space, so world space is taken as camera space, seen under "
@@ -234,19 +389,129 @@ private:
         }
     }
 
+    /// Holds the depth channel against the positions: along the axis, or along the ray, perhaps from the near plane on.
+    void judge_depth() {
+        Semantic& depth = *impl_.find("depth");
+        if (!depth.detect_kind || depth.far) return;
+        std::vector<double> planar, ray, offset;
+        for (const Sighting& s : seen_) {
+            if (!(s.depth > 0)) continue;
+            const double along = planar_depth_in(s.point);
+            const double length_of_ray = ray_factor(s.u, s.v);
+            planar.push_back(std::abs(s.depth / along - 1));
+            ray.push_back(std::abs(s.depth / (along * length_of_ray) - 1));
+            offset.push_back(along - s.depth / length_of_ray);
+        }
+        if (planar.size() < kLeastSightings) return;
+        const auto median = [](std::vector<double>& v) {
+            const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
+            std::nth_element(v.begin(), middle, v.end());
+            return *middle;
+        };
+        const double planar_error = median(planar), ray_error = median(ray), shift = median(offset);
+        std::vector<double> spread;
+        for (const double o : offset)
+            spread.push_back(std::abs(o - shift));
+        const double shift_spread = median(spread);
+        constexpr double kSame = 2e-3;
+        if (planar_error < kSame && planar_error <= ray_error) {
+            depth.kind = DepthKind::planar;
+            depth.info.reason +=
+                format("; the positions agree with a depth along the axis (median %.2g)", planar_error);
+        } else if (ray_error < kSame && !depth.near) {
+            depth.kind = DepthKind::ray;
+            depth.info.reason += format("; the positions agree with a depth along the ray (median %.2g)", ray_error);
+        } else if (depth.kind == DepthKind::ray && shift > 0 && shift_spread < 0.05 * shift) {
+            if (!depth.near) depth.near = shift;
+            depth.info.reason += format("; the positions put its start at a near plane at %.4g", shift);
+        } else {
+            impl_.notes.push_back(
+                format("the depth channel agrees with the positions neither along the axis (%.2g off) nor along the "
+                       "ray (%.2g off): positions are used",
+                       planar_error, ray_error));
+        }
+    }
+
+    double planar_depth_in(const Vector3& point) const {
+        if (!in_camera_space()) return planar_depth(*impl_.camera, point);
+        return -point[2];
+    }
+
+    double ray_factor(double u, double v) const {
+        const Camera& c = *impl_.camera;
+        if (c.projection == Projection::orthographic) return 1;
+        const double x = u * c.x_scale + c.x_offset, y = v * c.y_scale + c.y_offset;
+        return std::sqrt(x * x + y * y + 1);
+    }
+
+    /// Share of the sampled normals that face the camera when taken in `space` with these signs.
+    double facing(const Semantic& normal, Space space, const std::array<float, 3>& sign) const {
+        const Camera& c = *impl_.camera;
+        const std::array<double, 16>& m = c.camera_to_world;
+        const bool perspective = c.projection == Projection::perspective;
+        const auto first = static_cast<std::size_t>(sample_.normal);
+        std::int64_t count = 0, towards = 0;
+        for (const SampledRow& row : sample_.rows) {
+            const double y = perspective ? (row.y + 0.5) * c.y_scale + c.y_offset : 0;
+            for (std::size_t i = 0; i < row.planes[first].size(); ++i) {
+                Vector3 n{};
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const double v = row.planes[first + k][i];
+                    n[k] = static_cast<double>(sign[k]) * (normal.encoding == Encoding::zero_to_one ? 2 * v - 1 : v);
+                }
+                // Means over an edge face anywhere.
+                if (!(std::abs(dot(n, n) - 1) < 0.1)) continue;
+                const double x =
+                    perspective ? (impl_.data_window.x + static_cast<double>(i) + 0.5) * c.x_scale + c.x_offset : 0;
+                Vector3 back{-x, -y, 1};
+                const double least = -0.05 * length(back);
+                if (space == Space::world) {
+                    back = {dot({m[0], m[1], m[2]}, back), dot({m[4], m[5], m[6]}, back),
+                            dot({m[8], m[9], m[10]}, back)};
+                }
+                ++count;
+                towards += dot(n, back) > least;
+            }
+        }
+        return count > 0 ? static_cast<double>(towards) / static_cast<double>(count) : 1.0;
+    }
+
+    /// What is seen faces the camera: tells camera space from world space where the table leaves it open.
+    void judge_normals() {
+        Semantic& normal = *impl_.find("normal");
+        if (!normal.detect_space || sample_.normal < 0) return;
+        const double as_said = facing(normal, normal.space, normal.sign);
+        const Space other = normal.space == Space::world ? Space::camera : Space::world;
+        const double otherwise = facing(normal, other, {1, 1, 1});
+        const auto name = [](Space space) {
+            return std::string(space == Space::world ? "world space " : "camera space ");
+        };
+        const std::string shares = "; in " + name(normal.space) +
+                                   format("%.3g %% of the normals face the camera, in ", 100 * as_said) + name(other) +
+                                   format("%.3g %%", 100 * otherwise);
+        if (otherwise > 0.98 && as_said < 0.9) {
+            normal.space = other;
+            normal.sign = {1, 1, 1};
+            normal.info.reason += shares + ", which is therefore taken";
+        } else {
+            normal.info.reason += shares;
+        }
+    }
+
     GBuffer::Impl& impl_;
     const GBufferOptions& options_;
-    std::span<const SampledRow> rows_;
-    int first_plane_;
+    const CameraSample& sample_;
+    std::vector<Sighting> seen_;
     std::optional<CameraFit> fit_;
-    std::size_t count_ = 0;
+    std::string why_;
+    std::vector<HeaderCamera> readings_;
+    std::optional<HeaderLens> header_lens_;
 };
 
 }  // namespace
 
-void set_up_camera(GBuffer::Impl& impl, const GBufferOptions& options, std::span<const SampledRow> rows,
-                   int first_plane) {
-    CameraSetup(impl, options, rows, first_plane).run();
+void set_up_camera(GBuffer::Impl& impl, const GBufferOptions& options, const CameraSample& sample) {
+    CameraSetup(impl, options, sample).run();
 }
 
 }  // namespace relume::gbuffer

@@ -254,6 +254,7 @@ void finish(GBuffer::Impl& impl, const GBufferOptions& options) {
     const int normal_planes = sample.want(normal);
     const int tangent_planes = sample.want(tangent);
     const int position_planes = sample.want(position);
+    const int depth_plane = sample.want(impl.find("depth"));
     const int alpha_plane = sample.want(impl.find("alpha"));
     const int coverage_plane = impl.find("coverage") ? -1 : sample.want(impl.coverage.raws);
     const Semantic* base = impl.find("base_color");
@@ -269,7 +270,7 @@ void finish(GBuffer::Impl& impl, const GBufferOptions& options) {
     }
     choose_coverage(impl, sample, normal_planes, coverage_plane, alpha_plane);
     judge_glossy(impl, sample, glossy_planes);
-    set_up_camera(impl, options, sample.rows, position_planes);
+    set_up_camera(impl, options, {sample.rows, position_planes, depth_plane, normal_planes});
 
     for (Semantic& s : impl.semantics) {
         s.info.interpretation = interpretation(s) + division(impl, s);

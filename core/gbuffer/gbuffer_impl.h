@@ -49,7 +49,7 @@ struct RawPlane {
 /// A semantic channel and how its raw numbers become canonical ones.
 struct Semantic {
     ChannelInfo info;
-    std::string layer_name;          ///< how its layer is called, as a parameter's name: "specular_ior_level"
+    std::string layer_name;  ///< how its layer is called, as a parameter's name: "specular_ior_level"
     Quantity quantity = Quantity::scalar;
     std::vector<int> raws;    ///< one index into Impl::raws per component
     std::vector<int> glossy;  ///< base colour from a diffuse pass: add metallic times these
@@ -155,11 +155,9 @@ void apply_rule(Semantic& semantic, const ChannelRule& rule);
 /// both read() and from_memory().
 void finish(GBuffer::Impl& impl, const GBufferOptions& options);
 
-struct SampledRow;
-/// Impl::camera and what hangs on it, from the options, the headers or the positions. `rows` holds the position's three
-/// planes from `first_plane` on (negative: there is no position).
-void set_up_camera(GBuffer::Impl& impl, const GBufferOptions& options, std::span<const SampledRow> rows,
-                   int first_plane);
+struct CameraSample;
+/// Impl::camera and what hangs on it, from the options, the headers or the positions.
+void set_up_camera(GBuffer::Impl& impl, const GBufferOptions& options, const CameraSample& sample);
 
 /// The working space that the header states, by interop ID or chromaticities, and the reason; nothing when it states
 /// none.

@@ -18,6 +18,14 @@ struct SampledRow {
 /// `dense` takes every chunk. The order is from top to bottom and depends on nothing but the windows.
 std::vector<SampledRow> sample_rows(const GBuffer::Impl& impl, std::span<const int> raws, bool dense = false);
 
+/// Sampled rows and where in them the first plane of a channel stands; negative when there is no such channel.
+struct CameraSample {
+    std::span<const SampledRow> rows;
+    int position = -1;
+    int depth = -1;
+    int normal = -1;
+};
+
 /// What the normals look like.
 struct DirectionStatistics {
     std::int64_t samples = 0;  ///< finite and not background

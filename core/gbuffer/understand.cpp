@@ -294,9 +294,11 @@ private:
     /// The name of the layer that a component belongs to, without the chosen group.
     std::string layer_name(const Component& component) {
         for (const Layer& layer : file(component.address.file).layers) {
-            if (&component < layer.components.data() || &component >= layer.components.data() + layer.components.size()) continue;
+            if (&component < layer.components.data() || &component >= layer.components.data() + layer.components.size())
+                continue;
             std::string_view label = layer.label();
-            if (!choice_.group.empty() && label.starts_with(choice_.group + ".")) label.remove_prefix(choice_.group.size() + 1);
+            if (!choice_.group.empty() && label.starts_with(choice_.group + "."))
+                label.remove_prefix(choice_.group.size() + 1);
             return parameter_name(label);
         }
         return {};
@@ -306,8 +308,11 @@ private:
         s.encoding = row.encoding == Code::zero_to_one ? Encoding::zero_to_one : Encoding::as_is;
         s.detect_encoding = row.encoding == Code::detect;
         s.space = row.space;
-        s.detect_space =
-            row.producer == Producer::unknown && s.quantity == Quantity::direction && row.space == Space::world;
+        // Where the space is an option of the renderer, or nobody's name says it, the pixels must confirm it.
+        const bool open = row.producer == Producer::unknown || row.producer == Producer::renderman ||
+                          row.producer == Producer::pbrt || row.producer == Producer::karma;
+        const bool vector = s.quantity == Quantity::direction || s.quantity == Quantity::point;
+        s.detect_space = vector && open && (row.space == Space::world || row.producer != Producer::unknown);
         s.kind = row.depth;
         s.detect_kind = s.quantity == Quantity::depth;
         for (const char axis : row.flip)
