@@ -22,11 +22,6 @@ std::string names_of(const std::vector<Light>& lights) {
     return out.empty() ? "none" : out;
 }
 
-/// Unreal's numbering of its shading models; the name where relume has that model.
-constexpr std::string_view kUnrealModels[] = {"unlit",       "default_lit",       "subsurface", "preintegrated_skin",
-                                              "clear_coat",  "subsurface_profile", "two_sided_foliage", "hair",
-                                              "cloth",       "eye",               "single_layer_water", "thin_translucent"};
-
 constexpr std::string_view kLobeNames[] = {"diffuse", "specular", "transmission"};
 
 }  // namespace
@@ -192,10 +187,10 @@ void Plan::add_unreal_models(const GBuffer& gbuffer, const ShaderUse& use, const
         throw Error(ErrorKind::channel, "shader 'from_material_expression' needs a shading_model_id channel, and the G-buffer has none; "
                                         "name it under [gbuffer.channels]");
     const int plane = request({.kind = ChannelRequest::Kind::id, .name = "shading_model_id", .components = 1, .patterns = {}});
-    for (std::uint32_t id = 0; id < std::size(kUnrealModels); ++id) {
-        const ShaderInfo* model = find_shader(kUnrealModels[id]);
+    for (std::uint32_t id = 0; id < shading_model_names().size(); ++id) {
+        const ShaderInfo* model = find_shader(shading_model_names()[id]);
         if (model == nullptr) {
-            warnings.push_back("shading model " + std::to_string(id) + " (" + std::string(kUnrealModels[id]) + ") is shaded as default_lit");
+            warnings.push_back("shading model " + std::to_string(id) + " (" + std::string(shading_model_names()[id]) + ") is shaded as default_lit");
             model = &require_shader("default_lit");
         }
         ShaderRule rule = base;
