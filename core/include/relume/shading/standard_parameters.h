@@ -49,6 +49,25 @@ constexpr Parameter ambient(int slot) {
 constexpr Parameter anisotropy(int slot, std::string_view name = "anisotropy", double min = -1) {
     return scalar(name, slot, 0, min, 1, "Anisotropy", "Stretches the highlight along the tangent; 0 is isotropic.", min);
 }
+constexpr Parameter specular_tint(int slot) {
+    return scalar("specular_tint", slot, 0, 0, 1, "Specular tint", "Colours a dielectric's highlight at normal incidence with the hue of the base color.");
+}
+constexpr Parameter sheen(int slot) {
+    return scalar("sheen", slot, 0, 0, 1, "Sheen", "A soft rim of light at grazing angles, as cloth has.");
+}
+constexpr Parameter sheen_tint(int slot) {
+    return scalar("sheen_tint", slot, 0.5, 0, 1, "Sheen tint", "0: the sheen is white; 1: it has the hue of the base color.");
+}
+constexpr Parameter clearcoat(int slot) {
+    return scalar("clearcoat", slot, 0, 0, 1, "Clearcoat", "Strength of a second, colourless highlight on top, as of lacquer.");
+}
+constexpr Parameter specular_color(int slot, double value) {
+    return color("specular_color", slot, value, value, value, "Specular color",
+                 "Factor of the highlight. Plausible: 0.02 to 0.05 for dielectrics, grey; 0.5 to 1 for metals. Plain forms need more.");
+}
+constexpr Parameter exponent(int slot, double value, double max) {
+    return scalar("exponent", slot, value, 0, kUnbounded, "Exponent", "Shininess: the higher, the smaller the highlight.", 1, max);
+}
 constexpr Parameter energy_conserving(int slot) {
     return boolean("energy_conserving", slot, true, "Energy conserving", "On: normalised, so that the albedo is base_color. Off: the plain textbook form, without 1/π and normalisation.");
 }

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "relume/shading/vec.h"
+
+namespace relume {
+
+/// What a colour's luminance is made of.
+struct LuminanceWeights {
+    double r, g, b;
+};
+inline constexpr LuminanceWeights kLuminanceRec709{0.2126, 0.7152, 0.0722};
+
+template <class T>
+RELUME_INLINE T luminance(const Color<T>& c, const LuminanceWeights& w) {
+    return fma(c.x, constant<T>(w.r), fma(c.y, constant<T>(w.g), c.z * constant<T>(w.b)));
+}
+
+/// A colour's hue and saturation at luminance 1; white where the colour is black (Burley 2012).
+template <class T>
+RELUME_INLINE Color<T> tint_of(const Color<T>& c, const LuminanceWeights& weights) {
+    const T least = constant<T>(1e-12);
+    const T l = luminance(c, weights);
+    return select(l > least, scale(c, rcp(max(l, least))), splat(T(1.f)));
+}
+
+}  // namespace relume
