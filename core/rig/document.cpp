@@ -1,31 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rig/document.h"
 
-#include <stdexcept>
-
-// toml++ 3.3 asserts what a damaged text can make false ("[ ." does), and with NDEBUG it tells the compiler to rely on it.
-// Here a broken assumption ends the parse instead.
-#if __has_include(<toml++/impl/preprocessor.h>)
-#  include <toml++/impl/preprocessor.h>
-namespace relume::rigfile {
-struct BrokenAssumption : std::logic_error {
-    using std::logic_error::logic_error;
-};
-constexpr void assume(bool holds) {
-    if (!holds) throw BrokenAssumption("toml++");
-}
-}  // namespace relume::rigfile
-#  undef TOML_ASSERT
-#  undef TOML_ASSERT_ASSUME
-#  define TOML_ASSERT(expr) ::relume::rigfile::assume(static_cast<bool>(expr))
-#  define TOML_ASSERT_ASSUME(expr) ::relume::rigfile::assume(static_cast<bool>(expr))
-#endif
-#include <toml++/toml.h>
-
 #include <algorithm>
 #include <optional>
 
 #include "rig/problem.h"
+#include "rig/tomlplusplus.h"
 #include "rig/value_text.h"
 
 namespace relume::rigfile {

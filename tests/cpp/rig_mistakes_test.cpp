@@ -121,7 +121,7 @@ TEST(RigMistakes, Syntax) {
     EXPECT_EQ(refusal("[output]\ntype = 'half'\ntype = 'half'\n").substr(0, 32), "not valid TOML at key.relume:3:8");
     EXPECT_EQ(refusal("a = 'x").substr(0, 30), "not valid TOML at key.relume:1");
     EXPECT_EQ(refusal("version = 1\n\n[ . ]\ny = 2\n"), "not valid TOML at key.relume:3:1");
-    for (const char* text : {"{", "[", "[[light]", "a", "= 1", "a = \"\\q\"", "a = 1 b = 2", "\x01", "a = 'x\ny'", "<xml/>", "x = 1\n[ .", "[[ .]]", "{\"json\": 1}", "version: 1"}) {
+    for (const char* text : {"{", "[", "[[light]", "a", "= 1", "a = \"\\q\"", "a = 1 b = 2", "\x01", "a = 'x\ny'", "<xml/>", "x = 1\n[ .", "é = 1", "a = ϛ", "a = 1ж", "a = [1 é]", "ж", "[[ .]]", "{\"json\": 1}", "version: 1"}) {
         const std::string message = refusal(text);
         EXPECT_NE(message.find("key.relume:"), std::string::npos) << text << ": " << message;
         EXPECT_EQ(message.find('\n'), std::string::npos) << message;
