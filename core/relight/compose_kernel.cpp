@@ -55,8 +55,9 @@ __attribute__((flatten)) void compose(ComposeTile* tile) {
         beauty = {finite_or_zero(beauty.x, poison), finite_or_zero(beauty.y, poison), finite_or_zero(beauty.z, poison)};
         const Vec3<T> light = load3_or_zero<T>(tile->light, i, lanes);
 
-        // A true division: the background passes through to the bit. What shows beside the surface. Under a transparent film alpha is the coverage and nothing does; where the film is
-        // opaque (alpha 1) the beauty stands for it, so that silhouettes before a bright background get no dark fringe.
+        // What shows beside the surface. Under a transparent film alpha is the coverage and nothing does; where the film is
+        // opaque (alpha 1) the beauty stands for it, so that silhouettes before a bright background get no dark fringe. A
+        // true division: the background passes through to the bit.
         const T beside = select(alpha > zero, max(alpha - cover, zero) / max(alpha, constant<T>(1e-20)), one - cover);
         const T keep = tile->add ? one : beside;
         const Vec3<T> rgb{fma(light.x, cover, beauty.x * keep), fma(light.y, cover, beauty.y * keep), fma(light.z, cover, beauty.z * keep)};

@@ -109,7 +109,8 @@ template <class A> RELUME_INLINE Batch<A> asin(Batch<A> x) { return xsimd::asin(
 template <class A> RELUME_INLINE Batch<A> atan2(Batch<A> y, Batch<A> x) { return xsimd::atan2(y, x); }
 template <class A> RELUME_INLINE bool any(xsimd::batch_bool<float, A> m) { return xsimd::any(m); }
 template <class A> RELUME_INLINE bool all(xsimd::batch_bool<float, A> m) { return xsimd::all(m); }
-template <class A> RELUME_INLINE xsimd::batch_bool<float, A> is_nan(Batch<A> x) { return x != x; }
+// Not x != x: xsimd 8 compares "ordered and unequal" on AVX, which NaN is not.
+template <class A> RELUME_INLINE xsimd::batch_bool<float, A> is_nan(Batch<A> x) { return !(x == x); }
 
 // Sine and cosine, 1.5e-7 off at most for |x| ≤ 1000. xsimd's own call a routine of a library for large x, which an object of
 // one ISA must not export.
