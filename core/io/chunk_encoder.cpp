@@ -27,9 +27,12 @@ std::int64_t discard(exr_const_context_t, void*, const void*, std::uint64_t coun
 
 exr_pixel_type_t to_core(PixelType type) {
     switch (type) {
-        case PixelType::half: return EXR_PIXEL_HALF;
-        case PixelType::uint32: return EXR_PIXEL_UINT;
-        default: return EXR_PIXEL_FLOAT;
+        case PixelType::half:
+            return EXR_PIXEL_HALF;
+        case PixelType::uint32:
+            return EXR_PIXEL_UINT;
+        default:
+            return EXR_PIXEL_FLOAT;
     }
 }
 
@@ -112,7 +115,7 @@ EncoderPool::EncoderPool(const Part& part, const WriteOptions& options) : part_(
     clear_core_error();
     check(exr_start_write(context_.address(), "chunk encoder", EXR_WRITE_FILE_DIRECTLY, &initializer));
 
-    const exr_context_t context = context_.get();
+    exr_context_t context = context_.get();
     const Window& window = part.data_window;
     int index = 0;
     check(exr_set_longname_support(context, 1));

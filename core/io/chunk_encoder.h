@@ -19,8 +19,8 @@ public:
     ChunkEncoder(const ChunkEncoder&) = delete;
     ChunkEncoder& operator=(const ChunkEncoder&) = delete;
 
-    /// The bytes of the chunk that starts at row `y`, valid until the next call. `channels` are in file order, (0, 0) is
-    /// the left pixel of row y. Throws Error(value) when the compression fails.
+    /// The bytes of the chunk that starts at row `y`, valid until the next call. `channels` are in file order, (0, 0)
+    /// is the left pixel of row y. Throws Error(value) when the compression fails.
     std::span<const std::byte> encode(int y, std::span<const ConstPlane> channels);
 
 private:

@@ -31,9 +31,7 @@ void clear_run(const Plane& plane, std::int64_t column, std::int64_t row, std::i
 }
 
 // The first sampled coordinate at or after `start`.
-std::int64_t first_sample(std::int64_t start, int sampling) {
-    return -floor_div(-start, sampling) * sampling;
-}
+std::int64_t first_sample(std::int64_t start, int sampling) { return -floor_div(-start, sampling) * sampling; }
 
 // The sample that stands for `at`: the last one at or before it, but never one before the window's first.
 std::int64_t sample_for(std::int64_t at, std::int64_t window_start, int sampling) {
@@ -74,7 +72,8 @@ Window sampled_region(const Part& part, const Window& region, std::span<const Re
     }
     right = std::min<std::int64_t>(right, window.x_end());
     bottom = std::min<std::int64_t>(bottom, window.y_end());
-    return {static_cast<int>(left), static_cast<int>(top), static_cast<int>(right - left), static_cast<int>(bottom - top)};
+    return {static_cast<int>(left), static_cast<int>(top), static_cast<int>(right - left),
+            static_cast<int>(bottom - top)};
 }
 
 void unpack_chunk(std::span<const std::byte> pixels, const Window& box, const Part& part, const Window& region,
@@ -93,9 +92,8 @@ void unpack_chunk(std::span<const std::byte> pixels, const Window& box, const Pa
             const std::int64_t row_begin = std::max<std::int64_t>(from, region.y);
             const std::int64_t row_end = std::min<std::int64_t>(y + channel.y_sampling, region.y_end());
             const std::int64_t left = box.x == window.x ? box.x : first_sample(box.x, channel.x_sampling);
-            const std::int64_t right = box.x_end() == window.x_end()
-                                           ? box.x_end()
-                                           : first_sample(box.x_end(), channel.x_sampling);
+            const std::int64_t right =
+                box.x_end() == window.x_end() ? box.x_end() : first_sample(box.x_end(), channel.x_sampling);
             const std::int64_t column_begin = std::max<std::int64_t>(left, region.x);
             const std::int64_t column_end = std::min<std::int64_t>(right, region.x_end());
             if (row_samples > 0 && column_begin < column_end) {

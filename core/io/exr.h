@@ -19,7 +19,20 @@ namespace relume::io {
 
 /// EXR's compressions, in the numbering of the file format.
 enum class Compression : std::uint8_t {
-    none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa, dwab, htj2k256, htj2k32, lj2k, zstd
+    none,
+    rle,
+    zips,
+    zip,
+    piz,
+    pxr24,
+    b44,
+    b44a,
+    dwaa,
+    dwab,
+    htj2k256,
+    htj2k32,
+    lj2k,
+    zstd
 };
 
 std::string_view name_of(Compression compression);                        ///< "zip"
@@ -31,7 +44,8 @@ bool is_supported(Compression compression);
 struct Attribute {
     std::string name;
     std::string type;  ///< EXR's type name: "string", "float", "int", "v2f", "v3f", "m44f", "chromaticities", …
-    /// Numbers of int, float, double, v*, m*, box*, rational, timecode, keycode and chromaticities come as doubles in file order.
+    /// Numbers of int, float, double, v*, m*, box*, rational, timecode, keycode and chromaticities come as doubles in
+    /// file order.
     std::variant<std::string, std::vector<std::string>, std::vector<double>, std::vector<std::byte>> value;
 };
 
@@ -54,7 +68,7 @@ struct Part {
     bool deep = false;
     int tile_width = 0;
     int tile_height = 0;
-    int rows_per_chunk = 1;  ///< natural band height: scanlines of a chunk, or the tile height
+    int rows_per_chunk = 1;             ///< natural band height: scanlines of a chunk, or the tile height
     std::vector<Channel> channels;      ///< in file order (sorted by name)
     std::vector<Attribute> attributes;  ///< all others, in file order
 };
@@ -122,8 +136,8 @@ public:
     int rows_per_chunk() const;
 
     /// Compresses the rows [y, y + rows) (absolute) of one part in the calling thread and queues them; they reach the
-    /// file in order whatever the order of the calls. `channels` are in the order of the part's channels, (0, 0) of each
-    /// plane is the left pixel of row y. Thread-safe. Throws Error(file) on a full disk.
+    /// file in order whatever the order of the calls. `channels` are in the order of the part's channels, (0, 0) of
+    /// each plane is the left pixel of row y. Thread-safe. Throws Error(file) on a full disk.
     void write(int part, int y, int rows, std::span<const ConstPlane> channels);
 
     /// All rows of all parts have been written: flush, check, rename onto the destination.

@@ -84,11 +84,21 @@ std::vector<double> take_numbers(std::string_view fields, const void* source) {
     const auto* from = static_cast<const std::byte*>(source);
     for (const char field : fields) {
         switch (field) {
-            case 'i': values.push_back(take<std::int32_t>(from)); break;
-            case 'u': values.push_back(take<std::uint32_t>(from)); break;
-            case 'b': values.push_back(take<std::uint8_t>(from)); break;
-            case 'f': values.push_back(take<float>(from)); break;
-            default: values.push_back(take<double>(from)); break;
+            case 'i':
+                values.push_back(take<std::int32_t>(from));
+                break;
+            case 'u':
+                values.push_back(take<std::uint32_t>(from));
+                break;
+            case 'b':
+                values.push_back(take<std::uint8_t>(from));
+                break;
+            case 'f':
+                values.push_back(take<float>(from));
+                break;
+            default:
+                values.push_back(take<double>(from));
+                break;
         }
     }
     return values;
@@ -96,11 +106,21 @@ std::vector<double> take_numbers(std::string_view fields, const void* source) {
 
 void append_number(std::string& to, char field, double value) {
     switch (field) {
-        case 'i': append(to, to_integer<std::int32_t>(value)); break;
-        case 'u': append(to, to_integer<std::uint32_t>(value)); break;
-        case 'b': append(to, to_integer<std::uint8_t>(value)); break;
-        case 'f': append(to, static_cast<float>(value)); break;
-        default: append(to, value); break;
+        case 'i':
+            append(to, to_integer<std::int32_t>(value));
+            break;
+        case 'u':
+            append(to, to_integer<std::uint32_t>(value));
+            break;
+        case 'b':
+            append(to, to_integer<std::uint8_t>(value));
+            break;
+        case 'f':
+            append(to, static_cast<float>(value));
+            break;
+        default:
+            append(to, value);
+            break;
     }
 }
 
@@ -109,12 +129,11 @@ std::vector<std::byte> bytes_of(const void* data, std::size_t size) {
     return data == nullptr ? std::vector<std::byte>{} : std::vector<std::byte>(from, from + size);
 }
 
-std::vector<std::byte> to_bytes(const std::string& text) {
-    return bytes_of(text.data(), text.size());
-}
+std::vector<std::byte> to_bytes(const std::string& text) { return bytes_of(text.data(), text.size()); }
 
 std::string to_string(const exr_attr_string_t& text) {
-    return text.str == nullptr || text.length <= 0 ? std::string{} : std::string(text.str, static_cast<std::size_t>(text.length));
+    return text.str == nullptr || text.length <= 0 ? std::string{}
+                                                   : std::string(text.str, static_cast<std::size_t>(text.length));
 }
 
 std::vector<std::byte> preview_bytes(const exr_attr_preview_t& preview) {
@@ -129,8 +148,8 @@ std::vector<std::byte> preview_bytes(const exr_attr_preview_t& preview) {
 }
 
 [[noreturn]] void throw_mismatch(const Attribute& attribute, std::string_view wanted) {
-    throw Error(ErrorKind::value, "attribute '" + attribute.name + "' of type '" + attribute.type + "' must hold " +
-                                      std::string(wanted));
+    throw Error(ErrorKind::value,
+                "attribute '" + attribute.name + "' of type '" + attribute.type + "' must hold " + std::string(wanted));
 }
 
 }  // namespace
@@ -150,10 +169,14 @@ std::optional<Attribute> read_attribute(const exr_attribute_t& source) {
     switch (source.type) {
         case EXR_ATTR_UNKNOWN:
         case EXR_ATTR_LAST_KNOWN_TYPE:
-        case EXR_ATTR_CHLIST: return std::nullopt;
-        case EXR_ATTR_STRING: result.value = to_string(*source.string); break;
+        case EXR_ATTR_CHLIST:
+            return std::nullopt;
+        case EXR_ATTR_STRING:
+            result.value = to_string(*source.string);
+            break;
         case EXR_ATTR_STRING_VECTOR: {
             std::vector<std::string> texts;
+            texts.reserve(static_cast<std::size_t>(std::max(source.stringvector->n_strings, 0)));
             for (int i = 0; i < source.stringvector->n_strings; ++i) {
                 texts.push_back(to_string(source.stringvector->strings[i]));
             }
@@ -165,13 +188,21 @@ std::optional<Attribute> read_attribute(const exr_attribute_t& source) {
             result.value = std::vector<double>(values, values + std::max(source.floatvector->length, 0));
             break;
         }
-        case EXR_ATTR_PREVIEW: result.value = preview_bytes(*source.preview); break;
+        case EXR_ATTR_PREVIEW:
+            result.value = preview_bytes(*source.preview);
+            break;
         case EXR_ATTR_OPAQUE:
             result.value = bytes_of(source.opaque->packed_data, static_cast<std::size_t>(source.opaque->size));
             break;
-        case EXR_ATTR_INT: result.value = take_numbers("i", &source.i); break;
-        case EXR_ATTR_FLOAT: result.value = take_numbers("f", &source.f); break;
-        case EXR_ATTR_DOUBLE: result.value = take_numbers("d", &source.d); break;
+        case EXR_ATTR_INT:
+            result.value = take_numbers("i", &source.i);
+            break;
+        case EXR_ATTR_FLOAT:
+            result.value = take_numbers("f", &source.f);
+            break;
+        case EXR_ATTR_DOUBLE:
+            result.value = take_numbers("d", &source.d);
+            break;
 #if OPENEXR_VERSION_MAJOR > 3 || OPENEXR_VERSION_MINOR >= 4
         case EXR_ATTR_BYTES: {
             std::string bytes;

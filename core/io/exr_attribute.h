@@ -16,7 +16,8 @@ bool is_structural(std::string_view name);
 /// An attribute of an open file; absent when its value cannot be had (a second channel list).
 std::optional<Attribute> read_attribute(const exr_attribute_t& source);
 
-/// The value's bytes as they stand in a file, without the size. Throws Error(value) when the value does not fit the type.
+/// The value's bytes as they stand in a file, without the size. Throws Error(value) when the value does not fit the
+/// type.
 std::string attribute_bytes(const Attribute& attribute);
 
 }  // namespace relume::io

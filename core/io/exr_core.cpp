@@ -30,9 +30,7 @@ std::int64_t stream_read(exr_const_context_t, void* user, void* buffer, std::uin
     return static_cast<const InputFile*>(user)->read(buffer, count, offset);
 }
 
-std::int64_t stream_size(exr_const_context_t, void* user) {
-    return static_cast<const InputFile*>(user)->size();
-}
+std::int64_t stream_size(exr_const_context_t, void* user) { return static_cast<const InputFile*>(user)->size(); }
 
 }  // namespace
 
@@ -42,7 +40,7 @@ InputFile::InputFile(const std::filesystem::path& path) {
     if (descriptor_ < 0) {
         throw Error(ErrorKind::file, name + ": cannot open: " + std::strerror(errno));
     }
-    struct stat status{};
+    struct stat status {};
     if (::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) {
         ::close(descriptor_);
         throw Error(ErrorKind::file, name + (S_ISDIR(status.st_mode) ? ": is a folder" : ": is not a regular file"));
@@ -50,9 +48,7 @@ InputFile::InputFile(const std::filesystem::path& path) {
     size_ = status.st_size;
 }
 
-InputFile::~InputFile() {
-    ::close(descriptor_);
-}
+InputFile::~InputFile() { ::close(descriptor_); }
 
 std::int64_t InputFile::read(void* buffer, std::uint64_t count, std::uint64_t offset) const {
     // Offsets come from the file: one that is no file offset at all reads like one behind the end.
@@ -96,15 +92,14 @@ exr_context_initializer_t core_initializer() {
     return initializer;
 }
 
-void clear_core_error() noexcept {
-    first_message[0] = '\0';
-}
+void clear_core_error() noexcept { first_message[0] = '\0'; }
 
 std::string take_core_error(exr_result_t code) {
     std::string message = first_message[0] != '\0' ? first_message.data() : exr_get_default_error_message(code);
     clear_core_error();
     // Headers are hostile: no control characters of theirs reach a terminal through us.
-    std::replace_if(message.begin(), message.end(), [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }, '?');
+    std::replace_if(
+        message.begin(), message.end(), [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }, '?');
     while (!message.empty() && (message.back() == '.' || message.back() == ' ')) {
         message.pop_back();
     }

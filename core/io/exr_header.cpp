@@ -53,9 +53,12 @@ Window to_window(const exr_attr_box2i_t& box) {
 
 PixelType to_pixel_type(exr_pixel_type_t type) {
     switch (type) {
-        case EXR_PIXEL_HALF: return PixelType::half;
-        case EXR_PIXEL_UINT: return PixelType::uint32;
-        default: return PixelType::float32;
+        case EXR_PIXEL_HALF:
+            return PixelType::half;
+        case EXR_PIXEL_UINT:
+            return PixelType::uint32;
+        default:
+            return PixelType::float32;
     }
 }
 
@@ -196,9 +199,7 @@ void check_limits(const Header& header, const std::filesystem::path& path, std::
 
 }  // namespace
 
-std::string_view name_of(Compression compression) {
-    return facts_of(compression).name;
-}
+std::string_view name_of(Compression compression) { return facts_of(compression).name; }
 
 std::optional<Compression> compression_from_name(std::string_view name) {
     for (std::size_t i = 0; i < kCompressions.size(); ++i) {
@@ -209,13 +210,9 @@ std::optional<Compression> compression_from_name(std::string_view name) {
     return std::nullopt;
 }
 
-bool is_supported(Compression compression) {
-    return facts_of(compression).supported;
-}
+bool is_supported(Compression compression) { return facts_of(compression).supported; }
 
-std::uint64_t max_ratio(Compression compression) {
-    return facts_of(compression).max_ratio;
-}
+std::uint64_t max_ratio(Compression compression) { return facts_of(compression).max_ratio; }
 
 std::string part_label(const Header& header, int part) {
     if (header.parts.size() < 2) {

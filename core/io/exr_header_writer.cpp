@@ -30,8 +30,9 @@ void check_window(const Header& header, std::size_t part, const Window& window, 
     if (window.empty() || window.x < -kMaxCoordinate || window.y < -kMaxCoordinate ||
         std::int64_t{window.x} + window.width > kMaxCoordinate ||
         std::int64_t{window.y} + window.height > kMaxCoordinate) {
-        refuse(header, part, "the " + name + " window of " + std::to_string(window.width) + "x" +
-                                 std::to_string(window.height) + " pixels is empty or too large");
+        refuse(header, part,
+               "the " + name + " window of " + std::to_string(window.width) + "x" + std::to_string(window.height) +
+                   " pixels is empty or too large");
     }
 }
 

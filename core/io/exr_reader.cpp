@@ -39,7 +39,8 @@ Window intersection(const Window& a, const Window& b) {
     if (right <= left || bottom <= top) {
         return {};
     }
-    return {static_cast<int>(left), static_cast<int>(top), static_cast<int>(right - left), static_cast<int>(bottom - top)};
+    return {static_cast<int>(left), static_cast<int>(top), static_cast<int>(right - left),
+            static_cast<int>(bottom - top)};
 }
 
 // A chunk of a part: the band of rows that starts at `y`, or the tile (column, row) of the full-size level.
@@ -211,13 +212,9 @@ ExrReader::~ExrReader() = default;
 ExrReader::ExrReader(ExrReader&&) noexcept = default;
 ExrReader& ExrReader::operator=(ExrReader&&) noexcept = default;
 
-const Header& ExrReader::header() const {
-    return impl_->header;
-}
+const Header& ExrReader::header() const { return impl_->header; }
 
-const std::filesystem::path& ExrReader::path() const {
-    return impl_->path;
-}
+const std::filesystem::path& ExrReader::path() const { return impl_->path; }
 
 void ExrReader::read(const Window& region, std::span<const ReadTarget> targets) const {
     if (region.empty()) {

@@ -66,7 +66,8 @@ struct ExrWriter::Impl {
         if (y < window.y || rows < 1 || rows > window.y_end() - y || top % rows_per_chunk != 0 ||
             (rows % rows_per_chunk != 0 && rows != window.y_end() - y)) {
             refuse("rows " + std::to_string(y) + ".." + std::to_string(std::int64_t{y} + rows - 1) +
-                   " do not start and end at multiples of " + std::to_string(rows_per_chunk) + " within the data window");
+                   " do not start and end at multiples of " + std::to_string(rows_per_chunk) +
+                   " within the data window");
         }
         if (channels.size() != orders[static_cast<std::size_t>(part)].size()) {
             refuse(std::to_string(channels.size()) + " planes given for " +
@@ -134,9 +135,7 @@ ExrWriter::ExrWriter(const std::filesystem::path& path, const Header& header, co
 
 ExrWriter::~ExrWriter() = default;
 
-int ExrWriter::rows_per_chunk() const {
-    return impl_->rows_per_chunk;
-}
+int ExrWriter::rows_per_chunk() const { return impl_->rows_per_chunk; }
 
 void ExrWriter::write(int part, int y, int rows, std::span<const ConstPlane> channels) {
     Impl& impl = *impl_;

@@ -24,8 +24,8 @@ public:
     /// `count` chunks will come; the first goes to `offset`.
     OrderedChunks(OutputFile& file, std::size_t count, std::uint64_t offset, std::size_t queue_bytes);
 
-    /// `leader` and `data` make one chunk. Thread-safe. False when chunk `number` was put before. Throws Error(file) when
-    /// the file can't be written, from then on for every call.
+    /// `leader` and `data` make one chunk. Thread-safe. False when chunk `number` was put before. Throws Error(file)
+    /// when the file can't be written, from then on for every call.
     bool put(std::size_t number, std::span<const std::byte> leader, std::span<const std::byte> data);
 
     /// Where each chunk is, 0 for those that never came. To be called when no thread is in put().

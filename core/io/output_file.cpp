@@ -46,10 +46,11 @@ OutputFile::OutputFile(const std::filesystem::path& path) : path_(path), target_
     if (!target_.has_filename()) {
         throw Error(ErrorKind::file, path_.string() + ": cannot write: this is no file name");
     }
-    struct stat status{};
+    struct stat status {};
     if (::stat(target_.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {
-        throw Error(ErrorKind::file, path_.string() + (S_ISDIR(status.st_mode) ? ": cannot write: is a folder"
-                                                                                : ": cannot write: is not a regular file"));
+        throw Error(ErrorKind::file,
+                    path_.string() + (S_ISDIR(status.st_mode) ? ": cannot write: is a folder"
+                                                              : ": cannot write: is not a regular file"));
     }
     do {
         temporary_ = temporary_name(target_);
@@ -59,8 +60,8 @@ OutputFile::OutputFile(const std::filesystem::path& path) : path_(path), target_
     if (descriptor_ < 0) {
         const int code = errno;
         const std::filesystem::path folder = target_.parent_path().empty() ? "." : target_.parent_path();
-        throw Error(ErrorKind::file, path_.string() + ": cannot write into the folder " + folder.string() + ": " +
-                                         std::strerror(code));
+        throw Error(ErrorKind::file,
+                    path_.string() + ": cannot write into the folder " + folder.string() + ": " + std::strerror(code));
     }
 }
 

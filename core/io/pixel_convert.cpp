@@ -41,7 +41,7 @@ std::uint32_t float_to_uint(float value) {
 const bool has_f16c = __builtin_cpu_supports("avx2") != 0;
 
 __attribute__((target("avx2,f16c"))) std::size_t halves_to_floats_f16c(const std::byte* halves, std::byte* floats,
-                                                                      std::size_t count) {
+                                                                       std::size_t count) {
     std::size_t i = 0;
     for (; i + 16 <= count; i += 16) {
         const __m128i a = _mm_loadu_si128(reinterpret_cast<const __m128i*>(halves + 2 * i));
@@ -53,7 +53,7 @@ __attribute__((target("avx2,f16c"))) std::size_t halves_to_floats_f16c(const std
 }
 
 __attribute__((target("avx2,f16c"))) std::size_t floats_to_halves_f16c(const std::byte* floats, std::byte* halves,
-                                                                      std::size_t count) {
+                                                                       std::size_t count) {
     std::size_t i = 0;
     for (; i + 8 <= count; i += 8) {
         const __m256 a = _mm256_loadu_ps(reinterpret_cast<const float*>(floats + 4 * i));

@@ -51,7 +51,8 @@ Outcome try_file(const std::filesystem::path& path, std::string* message = nullp
             try {
                 for (int y = window.y; y < window.y_end(); y += part.rows_per_chunk) {
                     const int rows = std::min(part.rows_per_chunk, window.y_end() - y);
-                    if (std::int64_t{rows} * window.width * static_cast<std::int64_t>(part.channels.size()) > (1 << 22)) {
+                    if (std::int64_t{rows} * window.width * static_cast<std::int64_t>(part.channels.size()) >
+                        (1 << 22)) {
                         break;  // the test's own memory
                     }
                     read_planes(reader, static_cast<int>(p), {window.x, y, window.width, rows}, PixelType::float32);
@@ -143,7 +144,8 @@ TEST(ExrDamage, TruncationNamesTheRows) {
     const ExrReader reader(folder / "cut.exr");
     EXPECT_NO_THROW(read_planes(reader, 0, {0, 100, 64, 90}));  // what is there can be had
 
-    // A renderer that was killed leaves an offset table of zeros behind the pixels that it wrote, or before none at all.
+    // A renderer that was killed leaves an offset table of zeros behind the pixels that it wrote, or before none at
+    // all.
     std::vector<char> killed = bytes;
     std::fill_n(killed.begin() + static_cast<std::ptrdiff_t>(pixels - 160 * 8), 160 * 8, '\0');
     killed.resize(pixels + 30 * kChunk);
@@ -177,7 +179,8 @@ TEST(ExrDamage, NotAnExr) {
     write_bytes(folder / "text.exr", std::string("This is a text, not a picture."));
     EXPECT_EQ(try_file(folder / "text.exr", &message), Outcome::refused);
     EXPECT_NE(message.find("is not an EXR file"), std::string::npos);
-    for (const std::string& path : {std::string("/no/such/file.exr"), folder.path().string(), std::string("/dev/null")}) {
+    for (const std::string& path :
+         {std::string("/no/such/file.exr"), folder.path().string(), std::string("/dev/null")}) {
         try {
             const ExrReader reader(path);
             FAIL() << path;
@@ -211,14 +214,14 @@ TEST(ExrDamage, SizesThatAreLies) {
         const std::vector<char> bytes = file_bytes(folder / "small.exr");
         ASSERT_LT(bytes.size(), 1024u);
         const std::array<std::int32_t, 4> boxes[] = {
-            {0, 0, 46339, 46339},                          // 2^31 pixels
-            {0, 0, 1 << 29, 0},                            // in one row
-            {0, 0, 0, 1 << 29},                            // in one column
+            {0, 0, 46339, 46339},  // 2^31 pixels
+            {0, 0, 1 << 29, 0},    // in one row
+            {0, 0, 0, 1 << 29},    // in one column
             {-2147483647 - 1, -2147483647 - 1, 2147483647, 2147483647},
             {5, 5, 4, 4},
             {0, 0, -1, -1},
             {2147483646, 2147483646, 2147483647, 2147483647},
-            {0, 0, 30000, 30000},                          // within the limit, not within the file
+            {0, 0, 30000, 30000},  // within the limit, not within the file
         };
         for (const auto& box : boxes) {
             write_bytes(folder / "lie.exr", with_data_window(bytes, box));

@@ -104,7 +104,14 @@ TEST(ExrOutput, CallsOutOfStepAreRefused) {
     ASSERT_EQ(writer.rows_per_chunk(), 16);
     auto planes = test_planes(small_part());
     const auto good = const_planes(planes);
-    for (const auto& [part, y, rows] : {std::tuple{0, 1, 16}, {0, 0, 15}, {0, -16, 16}, {0, 64, 16}, {1, 0, 16}, {-1, 0, 16}, {0, 0, 0}, {0, 16, 2147483647}}) {
+    for (const auto& [part, y, rows] : {std::tuple{0, 1, 16},
+                                        {0, 0, 15},
+                                        {0, -16, 16},
+                                        {0, 64, 16},
+                                        {1, 0, 16},
+                                        {-1, 0, 16},
+                                        {0, 0, 0},
+                                        {0, 16, 2147483647}}) {
         message_of(ErrorKind::value, [&, part = part, y = y, rows = rows] { writer.write(part, y, rows, good); });
     }
     message_of(ErrorKind::value, [&] { writer.write(0, 0, 16, {}); });
@@ -140,14 +147,17 @@ TEST(ExrOutput, HeadersThatNoFileMayHaveAreRefused) {
 TEST(ExrOutput, UnwritablePlaces) {
     const TemporaryFolder folder;
     const Header header{{small_part()}};
-    EXPECT_NE(message_of(ErrorKind::file, [&] { ExrWriter(folder / "no/such/out.exr", header, {}); }).find("No such file"), std::string::npos);
+    EXPECT_NE(
+        message_of(ErrorKind::file, [&] { ExrWriter(folder / "no/such/out.exr", header, {}); }).find("No such file"),
+        std::string::npos);
     message_of(ErrorKind::file, [&] { ExrWriter(folder.path(), header, {}); });
     message_of(ErrorKind::file, [&] { ExrWriter("/dev/null", header, {}); });
     message_of(ErrorKind::file, [&] { ExrWriter("", header, {}); });
     write_bytes(folder / "file", std::string("x"));
     message_of(ErrorKind::file, [&] { ExrWriter(folder / "file/out.exr", header, {}); });
     if (::geteuid() != 0) {  // root may write anywhere
-        std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+        std::filesystem::permissions(folder.path(),
+                                     std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
         message_of(ErrorKind::file, [&] { ExrWriter(folder / "out.exr", header, {}); });
         std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_all);
     }
@@ -211,7 +221,7 @@ TEST(ExrOutput, PermissionsFollowTheUmaskAndLinksStayLinks) {
     const mode_t before = ::umask(027);
     write_test_image(folder / "real.exr", {{small_part()}});
     ::umask(before);
-    struct stat status{};
+    struct stat status {};
     ASSERT_EQ(::stat((folder / "real.exr").c_str(), &status), 0);
     EXPECT_EQ(status.st_mode & 0777, 0640u);
 

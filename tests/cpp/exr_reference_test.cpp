@@ -32,9 +32,15 @@ void expect_pixels(const ExrReader& reader, int part, const Window& region,
             for (int column = 0; column < region.width; ++column) {
                 double got = 0;
                 switch (planes[c].type) {
-                    case PixelType::half: got = half_to_float(planes[c].at<std::uint16_t>(column, row)); break;
-                    case PixelType::float32: got = planes[c].at<float>(column, row); break;
-                    case PixelType::uint32: got = planes[c].at<std::uint32_t>(column, row); break;
+                    case PixelType::half:
+                        got = half_to_float(planes[c].at<std::uint16_t>(column, row));
+                        break;
+                    case PixelType::float32:
+                        got = planes[c].at<float>(column, row);
+                        break;
+                    case PixelType::uint32:
+                        got = planes[c].at<std::uint32_t>(column, row);
+                        break;
                 }
                 const int x = region.x + column;
                 const int y = region.y + row;
@@ -46,7 +52,8 @@ void expect_pixels(const ExrReader& reader, int part, const Window& region,
 }
 
 double mixed_pattern(int channel, int x, int y) {
-    return channel == 2 ? static_cast<double>(pattern_uint(2, x, y)) : static_cast<double>(pattern_value(channel, x, y));
+    return channel == 2 ? static_cast<double>(pattern_uint(2, x, y))
+                        : static_cast<double>(pattern_value(channel, x, y));
 }
 
 const std::vector<Window> kRegions{kData, {-5, 11, 26, 16}, {0, 0, 32, 24}, {3, 5, 1, 1}, {-9, 30, 60, 9}};
@@ -81,11 +88,14 @@ TEST_P(ExrReference, ScanlineAndTiled) {
                 const auto ids = read_planes(ExrReader(decoded), 0, kData, PixelType::uint32);
                 // The discrete cosine transform of DWA is summed in another order, then rounded to half.
                 const double tolerance = name.starts_with("dwa") ? 0.032 : 0;
-                expect_pixels(reader, 0, region, [&](int c, int x, int y) {
-                    const auto i = static_cast<std::size_t>(c);
-                    return c == 2 ? static_cast<double>(ids[i].at<std::uint32_t>(x - kData.x, y - kData.y))
-                                  : static_cast<double>(planes[i].at<float>(x - kData.x, y - kData.y));
-                }, tolerance);
+                expect_pixels(
+                    reader, 0, region,
+                    [&](int c, int x, int y) {
+                        const auto i = static_cast<std::size_t>(c);
+                        return c == 2 ? static_cast<double>(ids[i].at<std::uint32_t>(x - kData.x, y - kData.y))
+                                      : static_cast<double>(planes[i].at<float>(x - kData.x, y - kData.y));
+                    },
+                    tolerance);
             } else {
                 expect_pixels(reader, 0, region, mixed_pattern);
             }
@@ -139,7 +149,8 @@ TEST(ExrReferenceFiles, MultiPartWithTilesDeepAndViews) {
     EXPECT_EQ(parts[3].name, "beauty.right");
     expect_pixels(reader, 0, kData, mixed_pattern);
     for (const int part : {2, 3}) {
-        expect_pixels(reader, part, {-2, -2, 36, 30}, [](int c, int x, int y) { return static_cast<double>(pattern_value(c, x, y)); });
+        expect_pixels(reader, part, {-2, -2, 36, 30},
+                      [](int c, int x, int y) { return static_cast<double>(pattern_value(c, x, y)); });
     }
     try {
         read_planes(reader, 1, {0, 0, 4, 4});
@@ -169,7 +180,8 @@ TEST(ExrReferenceFiles, EveryFileOfTheTestDataOpens) {
             const Part& part = reader.header().parts[p];
             // A band in the middle: whole files would take the time of all other tests.
             const int rows = std::min(part.rows_per_chunk, part.data_window.height);
-            const Window band{part.data_window.x, part.data_window.y + part.data_window.height / 2, part.data_window.width, rows};
+            const Window band{part.data_window.x, part.data_window.y + part.data_window.height / 2,
+                              part.data_window.width, rows};
             EXPECT_FALSE(part.channels.empty());
             EXPECT_NO_THROW(read_planes(reader, static_cast<int>(p), band, PixelType::float32));
         }

@@ -35,13 +35,17 @@ Part make_part(const Window& window, std::vector<Channel> channels) {
 // Error that a compression may make: relative, above 0.001 in units of the image's amplitude. 0 means bit for bit.
 double tolerance(Compression compression, PixelType type) {
     switch (compression) {
-        case Compression::pxr24: return type == PixelType::float32 ? 1.0 / 32768 : 0;
+        case Compression::pxr24:
+            return type == PixelType::float32 ? 1.0 / 32768 : 0;
         case Compression::b44:
-        case Compression::b44a: return type == PixelType::half ? 0.05 : 0;
+        case Compression::b44a:
+            return type == PixelType::half ? 0.05 : 0;
         case Compression::dwaa:
         case Compression::dwab:
-        case Compression::lj2k: return type == PixelType::uint32 ? 0 : 0.1;
-        default: return 0;
+        case Compression::lj2k:
+            return type == PixelType::uint32 ? 0 : 0.1;
+        default:
+            return 0;
     }
 }
 
@@ -63,7 +67,8 @@ void expect_test_image(const std::vector<TestPlane>& read, const Part& written, 
                 const int y = region.y + row;
                 const bool inside = x >= window.x && x < window.x_end() && y >= window.y && y < window.y_end();
                 if (type == PixelType::uint32) {
-                    wrong += read[c].at<std::uint32_t>(column, row) != (inside ? test_uint(static_cast<int>(c), x, y) : 0);
+                    wrong +=
+                        read[c].at<std::uint32_t>(column, row) != (inside ? test_uint(static_cast<int>(c), x, y) : 0);
                     continue;
                 }
                 const float value = inside ? test_value(static_cast<int>(c), x, y, is_lossy(compression)) : 0.0f;
@@ -154,18 +159,21 @@ TEST(ExrRoundTrip, StridesBothWays) {
     for (int y = 0; y < window.height; ++y) {
         for (int x = 0; x < window.width; ++x) {
             for (int c = 0; c < 3; ++c) {
-                interleaved[static_cast<std::size_t>(((window.height - 1 - y) * window.width + x) * 3 + c)] = test_value(c, x, y);
+                interleaved[static_cast<std::size_t>(((window.height - 1 - y) * window.width + x) * 3 + c)] =
+                    test_value(c, x, y);
             }
         }
     }
     const auto plane_of = [&](std::vector<float>& image, int c) {
         const std::ptrdiff_t row = window.width * 12;
-        return Plane{reinterpret_cast<std::byte*>(image.data()) + (window.height - 1) * row + c * 4, PixelType::float32, 12, -row};
+        return Plane{reinterpret_cast<std::byte*>(image.data()) + (window.height - 1) * row + c * 4, PixelType::float32,
+                     12, -row};
     };
     {
         ExrWriter writer(folder / "strides.exr", {{part}}, {});
-        writer.write(0, 0, window.height,
-                     std::vector<ConstPlane>{plane_of(interleaved, 0), plane_of(interleaved, 1), plane_of(interleaved, 2)});
+        writer.write(
+            0, 0, window.height,
+            std::vector<ConstPlane>{plane_of(interleaved, 0), plane_of(interleaved, 1), plane_of(interleaved, 2)});
         writer.commit();
     }
     const ExrReader reader(folder / "strides.exr");
@@ -188,7 +196,8 @@ TEST(ExrRoundTrip, SubsampledChannels) {
             compression == Compression::b44 || compression == Compression::b44a) {
             continue;  // lossy
         }
-        const Part part = make_part(window, {{"BY", PixelType::half, 2, 4}, {"RY", PixelType::half, 4, 2}, {"Y", PixelType::half}});
+        const Part part =
+            make_part(window, {{"BY", PixelType::half, 2, 4}, {"RY", PixelType::half, 4, 2}, {"Y", PixelType::half}});
         SCOPED_TRACE(name_of(compression));
         write_test_image(folder / "yc.exr", {{part}}, {.compression = compression});
         const ExrReader reader(folder / "yc.exr");
@@ -200,8 +209,10 @@ TEST(ExrRoundTrip, SubsampledChannels) {
                     const auto down = [](int value, int step) { return value - ((value % step) + step) % step; };
                     const int x = region.x + column;
                     const int y = region.y + row;
-                    ASSERT_EQ(half_to_float(planes[0].at<std::uint16_t>(column, row)), test_value(0, down(x, 2), down(y, 4)));
-                    ASSERT_EQ(half_to_float(planes[1].at<std::uint16_t>(column, row)), test_value(1, down(x, 4), down(y, 2)));
+                    ASSERT_EQ(half_to_float(planes[0].at<std::uint16_t>(column, row)),
+                              test_value(0, down(x, 2), down(y, 4)));
+                    ASSERT_EQ(half_to_float(planes[1].at<std::uint16_t>(column, row)),
+                              test_value(1, down(x, 4), down(y, 2)));
                     ASSERT_EQ(half_to_float(planes[2].at<std::uint16_t>(column, row)), test_value(2, x, y));
                 }
             }
@@ -227,12 +238,20 @@ TEST(ExrRoundTrip, MultiPartStereoWithAttributesOfEveryType) {
         {"int", "int", std::vector<double>{-2147483648.0}},
         {"float", "float", std::vector<double>{0.25}},
         {"double", "double", std::vector<double>{0.1}},
-        {"v2i", "v2i", numbers(2)}, {"v2f", "v2f", numbers(2)}, {"v2d", "v2d", numbers(2)},
-        {"v3i", "v3i", numbers(3)}, {"v3f", "v3f", numbers(3)}, {"v3d", "v3d", numbers(3)},
-        {"box2i", "box2i", numbers(4)}, {"box2f", "box2f", numbers(4)},
-        {"m33f", "m33f", numbers(9)}, {"m33d", "m33d", numbers(9)},
-        {"worldToCamera", "m44f", numbers(16)}, {"m44d", "m44d", numbers(16)},
-        {"chromaticities", "chromaticities", std::vector<double>{0.5, 0.25, 0.25, 0.5, 0.125, 0.0625, 0.3125, 0.328125}},
+        {"v2i", "v2i", numbers(2)},
+        {"v2f", "v2f", numbers(2)},
+        {"v2d", "v2d", numbers(2)},
+        {"v3i", "v3i", numbers(3)},
+        {"v3f", "v3f", numbers(3)},
+        {"v3d", "v3d", numbers(3)},
+        {"box2i", "box2i", numbers(4)},
+        {"box2f", "box2f", numbers(4)},
+        {"m33f", "m33f", numbers(9)},
+        {"m33d", "m33d", numbers(9)},
+        {"worldToCamera", "m44f", numbers(16)},
+        {"m44d", "m44d", numbers(16)},
+        {"chromaticities", "chromaticities",
+         std::vector<double>{0.5, 0.25, 0.25, 0.5, 0.125, 0.0625, 0.3125, 0.328125}},
         {"framesPerSecond", "rational", std::vector<double>{24000, 1001}},
         {"timeCode", "timecode", std::vector<double>{16777216, 4294967295.0}},
         {"keyCode", "keycode", numbers(7)},
@@ -340,9 +359,11 @@ TEST(ExrRoundTrip, ThreadsWriteAndReadBandsInAnyOrder) {
         for (int t = 0; t < 4; ++t) {
             threads.emplace_back([&] {
                 for (std::size_t i = next++; i < bands.size(); i = next++) {
-                    const Window band{window.x, bands[i].second, window.width, std::min(rows, window.y_end() - bands[i].second)};
+                    const Window band{window.x, bands[i].second, window.width,
+                                      std::min(rows, window.y_end() - bands[i].second)};
                     const auto read = read_planes(reader, bands[i].first, band);
-                    failures += read[0].at<std::uint16_t>(3, 2 % band.height) != float_to_half(test_value(0, band.x + 3, band.y + 2 % band.height));
+                    failures += read[0].at<std::uint16_t>(3, 2 % band.height) !=
+                                float_to_half(test_value(0, band.x + 3, band.y + 2 % band.height));
                     failures += read[1].at<float>(7, 0) != test_value(1, band.x + 7, band.y) * 1.0001f;
                 }
             });

@@ -48,7 +48,8 @@ struct TestPlane {
     std::vector<std::byte> bytes;
 
     TestPlane(PixelType plane_type, const Window& window)
-        : type(plane_type), width(window.width),
+        : type(plane_type),
+          width(window.width),
           bytes(static_cast<std::size_t>(window.width) * window.height * size_of(plane_type), std::byte{0xcd}) {}
 
     Plane plane() {
@@ -70,7 +71,8 @@ struct TestPlane {
 /// Value of channel `channel` at pixel (x, y), exact in half precision: waves of both signs with noise in the last bits
 /// and a patch of zeros, or (`smooth`, for lossy compression) positive waves alone.
 inline float test_value(int channel, int x, int y, bool smooth = false) {
-    const float wave = 24.0f * std::sin(0.11f * static_cast<float>(x + 9 * channel)) * std::cos(0.07f * static_cast<float>(y));
+    const float wave =
+        24.0f * std::sin(0.11f * static_cast<float>(x + 9 * channel)) * std::cos(0.07f * static_cast<float>(y));
     if (smooth) {
         return half_to_float(float_to_half(30.0f + wave));
     }

@@ -185,9 +185,10 @@ void multi_part() {
 int main(int argc, char** argv) {
     folder = std::string(argc > 1 ? argv[1] : ".") + "/";
     const std::map<std::string, Compression> all{
-        {"none", NO_COMPRESSION},     {"rle", RLE_COMPRESSION},   {"zips", ZIPS_COMPRESSION}, {"zip", ZIP_COMPRESSION},
-        {"piz", PIZ_COMPRESSION},     {"pxr24", PXR24_COMPRESSION}, {"b44", B44_COMPRESSION}, {"b44a", B44A_COMPRESSION},
-        {"dwaa", DWAA_COMPRESSION},   {"dwab", DWAB_COMPRESSION},
+        {"none", NO_COMPRESSION},   {"rle", RLE_COMPRESSION},   {"zips", ZIPS_COMPRESSION},
+        {"zip", ZIP_COMPRESSION},   {"piz", PIZ_COMPRESSION},   {"pxr24", PXR24_COMPRESSION},
+        {"b44", B44_COMPRESSION},   {"b44a", B44A_COMPRESSION}, {"dwaa", DWAA_COMPRESSION},
+        {"dwab", DWAB_COMPRESSION},
     };
     for (const auto& [name, compression] : all) {
         scanline("scanline_" + name, kMixed, kData, compression);
