@@ -33,11 +33,12 @@ struct DefaultLit {
     };
     static constexpr bool needs_tangent = true;
     static constexpr bool lit_from_below = false;
+    static constexpr bool scales_by_arriving = true;
     static constexpr Lobe terms[] = {Lobe::diffuse, Lobe::specular, Lobe::specular};
 
     template <class T>
     struct Prepared : PreparedTerms<T, 3> {
-        T alpha2, weight;  // weight = alpha²/(2π)
+        GgxBracket<T> bracket;
         JointApproximation<T> joint;
         T anisotropy;
         T alpha_x, alpha_y;
@@ -53,13 +54,13 @@ struct DefaultLit {
         Prepared<T> out;
         const Color<T> f0 = lerp(splat(constant<T>(0.08) * p.specular), p.base_color, metallic);
         out.color[0] = scale(p.base_color, (one - metallic) * constant<T>(kInvPi));
-        out.color[1] = f0;
-        out.color[2] = splat(saturate(constant<T>(50) * f0.y));  // F90, Karis 2013
+        const T f90 = saturate(constant<T>(50) * f0.y);  // Karis 2013
         out.ambient = out.color[0];
         out.emission = p.emission;
         const T alpha = alpha_from_roughness(p.roughness);
-        out.alpha2 = alpha * alpha;
-        out.weight = out.alpha2 * constant<T>(0.5 * kInvPi);
+        const T alpha2 = alpha * alpha;
+        out.bracket = ggx_bracket_polynomial(alpha2);
+        T weight = alpha2 * constant<T>(0.5 * kInvPi);  // the numerators of D and V, which no light changes
         out.joint = joint_approximation(alpha, g.n_dot_v);
         out.anisotropy = clamp(p.anisotropy, -one, one);
         out.any_anisotropic = any(out.anisotropy != T(0.f));
@@ -69,7 +70,11 @@ struct DefaultLit {
             out.alpha_x = max(alpha * (one + out.anisotropy), least);
             out.alpha_y = max(alpha * (one - out.anisotropy), least);
             out.length_v = stretched_length(out, g.v, g.n_dot_v);
+            weight = select(out.anisotropy != T(0.f), one, weight);
         }
+        // D·V·NdotL·(F0·(1 − x) + F90·x), x Schlick's weight: F0 times the lobe and F90 − F0 times the lobe·x.
+        out.color[1] = scale(f0, weight);
+        out.color[2] = scale(sub(splat(f90), f0), weight);
         return out;
     }
 
@@ -83,18 +88,17 @@ struct DefaultLit {
     static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options&, const Geometry<T>& g, const LightSample<T>& s, T (&w)[3]) {
         const HalfVector<T> h = half_vector(g, s);
         const T n_dot_l = max(s.n_dot_l, T(0.f));
-        const T bracket = ggx_bracket(m.alpha2, h.sin2_h());
-        T lobe = m.weight * n_dot_l * rcp(bracket * bracket * m.joint.denominator(n_dot_l));  // D·V·NdotL
+        const T cosine = n_dot_l * s.arriving;
+        T lobe = cosine * rcp(square(m.bracket(h.q)) * m.joint.denominator(n_dot_l));
         if (m.any_anisotropic) {
             const Vec3<T> hd = half_direction(g, s, h);
             const T d = ggx_distribution_anisotropic(m.alpha_x, m.alpha_y, dot(m.tangent, hd), dot(m.bitangent, hd), square(h.n_dot_h()));
             const T v = constant<T>(0.5) * rcp(max(fma(n_dot_l, m.length_v, g.n_dot_v * stretched_length(m, s.l, n_dot_l)), constant<T>(1e-12)));
-            lobe = select(m.anisotropy != T(0.f), d * v * n_dot_l, lobe);
+            lobe = select(m.anisotropy != T(0.f), d * v * cosine, lobe);
         }
-        const T fresnel = schlick_weight(h.v_dot_h);
-        w[0] = n_dot_l;
-        w[1] = fma(-fresnel, lobe, lobe);
-        w[2] = fresnel * lobe;
+        w[0] = cosine;
+        w[1] = lobe;
+        w[2] = schlick_weight(h.v_dot_h) * lobe;
     }
 };
 

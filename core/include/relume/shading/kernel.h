@@ -25,6 +25,13 @@ constexpr int term_count() {
     else return 0;
 }
 
+/// A model that multiplies its terms by LightSample::arriving itself.
+template <class S>
+constexpr bool scales_by_arriving() {
+    if constexpr (requires { S::scales_by_arriving; }) return S::scales_by_arriving;
+    else return false;
+}
+
 /// Whether a model can have light in that lobe at all.
 template <class S>
 constexpr bool has_lobe(Lobe lobe) {
@@ -239,26 +246,27 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& s
     static_for<kSums>([&](auto k) RELUME_INLINE_LAMBDA { sums[k] = splat(zero); });
 
     for (const DirectLight* light = tile.lights; light != tile.lights + tile.light_count; ++light) {
-        T falloff;
         LightSample<T> s;
-        s.l = light_direction(*light, p, falloff);
+        s.l = light_direction(*light, p, s.arriving);
         s.n_dot_l = dot(g.n, s.l);
         if constexpr (!S::lit_from_below) {
             if (!any(s.n_dot_l > zero)) continue;
         }
         s.v_dot_l = dot(g.v, s.l);
-        if (light->mask != nullptr) falloff = falloff * load_partial<T>(light->mask + mask_offset, lanes);
+        if (light->mask != nullptr) s.arriving = s.arriving * load_partial<T>(light->mask + mask_offset, lanes);
         if constexpr (kSum) {
             T w[kSums];
             S::evaluate(prepared, options, g, s, w);
             static_for<kSums>([&](auto k) RELUME_INLINE_LAMBDA {
-                accumulate(sums[k], light->color[static_cast<int>(S::terms[k])], w[k] * falloff);
+                const T weight = scales_by_arriving<S>() ? w[k] : w[k] * s.arriving;
+                accumulate(sums[k], light->color[static_cast<int>(S::terms[k])], weight);
             });
         } else {
             const Lobes<T> f = evaluate_lobes<S, T>(prepared, options, g, s);
-            accumulate(sums[0], f.diffuse, light->color[0], falloff);
-            accumulate(sums[1], f.specular, light->color[1], falloff);
-            accumulate(sums[2], f.transmission, light->color[2], falloff);
+            const T arriving = scales_by_arriving<S>() ? T(1.f) : s.arriving;
+            accumulate(sums[0], f.diffuse, light->color[0], arriving);
+            accumulate(sums[1], f.specular, light->color[1], arriving);
+            accumulate(sums[2], f.transmission, light->color[2], arriving);
         }
     }
 
@@ -415,6 +423,7 @@ static void evaluate_arrays(const ShaderEvaluation<T>* e) {
         s.l = {e->l[0][i], e->l[1][i], e->l[2][i]};
         s.n_dot_l = dot(g.n, s.l);
         s.v_dot_l = dot(g.v, s.l);
+        s.arriving = T(1);
         const auto prepared = S::prepare(params, options, g);
         Lobes<T> f = evaluate_lobes<S, T>(prepared, options, g, s);
         const bool lit = S::lit_from_below || (s.n_dot_l > 0 && n_dot_v > 0);

@@ -30,6 +30,19 @@ RELUME_INLINE T ggx_bracket(T alpha2, T sin2_h) {
     return fma(sin2_h, T(1.f) - alpha2, alpha2);
 }
 
+/// The same bracket as a polynomial in q = |h − n|², one operation less: a² + (1 − a²)·q − ¼(1 − a²)·q².
+template <class T>
+struct GgxBracket {
+    T alpha2, linear, quadratic;
+    RELUME_INLINE T operator()(T q) const { return fma(q, fma(q, quadratic, linear), alpha2); }
+};
+
+template <class T>
+RELUME_INLINE GgxBracket<T> ggx_bracket_polynomial(T alpha2) {
+    const T linear = T(1.f) - alpha2;
+    return {alpha2, linear, linear * constant<T>(-0.25)};
+}
+
 /// D of GGX.
 template <class T>
 RELUME_INLINE T ggx_distribution(T alpha2, T sin2_h) {

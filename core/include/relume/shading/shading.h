@@ -48,6 +48,9 @@ struct LightSample {
     Vec3<T> l;
     T n_dot_l;             ///< not clamped
     T v_dot_l;
+    /// Share of the light's colour that arrives (1/d², cone, mask). The kernel multiplies the results by it, unless the model
+    /// says `scales_by_arriving = true` and does so itself where that is cheaper.
+    T arriving;
 };
 
 /// Lower bound of NdotL and NdotV in denominators.
@@ -82,6 +85,12 @@ RELUME_INLINE HalfVector<T> half_vector(const Geometry<T>& g, const LightSample<
 template <class T>
 RELUME_INLINE Vec3<T> half_direction(const Geometry<T>& g, const LightSample<T>& s, const HalfVector<T>& h) {
     return scale(add(g.v, s.l), h.inv_len);
+}
+
+/// The view mirrored at the surface, reflect(−v, n): the mirror direction, around which l lies in a highlight.
+template <class T>
+RELUME_INLINE Vec3<T> mirrored_view(const Geometry<T>& g) {
+    return fma(g.n, T(2.f) * dot(g.n, g.v), negate(g.v));
 }
 
 /// What a model that is a sum of per-pixel colours times scalar terms prepares once per pixel:
