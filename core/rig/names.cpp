@@ -62,6 +62,7 @@ std::vector<std::string_view> channel_names() {
             if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
         };
         for (const auto& semantic : gbuffer::semantic_names()) add(semantic.name);
+        add("cryptomatte");  // a file that holds it
         for (const ShaderInfo& shader : shaders())
             for (const Parameter& p : shader.parameters)
                 if (may_be_a_channel(p)) add(p.name);

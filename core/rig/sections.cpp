@@ -200,7 +200,7 @@ void require_channel_name(std::string_view name) {
 }
 
 bool names_a_file(std::string_view source) {
-    constexpr std::string_view kEndings[] = {".exr", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".hdr", ".tga", ".bmp", ".dpx", ".webp", ".jp2"};
+    constexpr std::string_view kEndings[] = {".exr", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".hdr", ".tga", ".bmp", ".webp"};
     std::string ending = std::filesystem::path(source).extension().string();
     std::transform(ending.begin(), ending.end(), ending.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
     return std::find(std::begin(kEndings), std::end(kEndings), ending) != std::end(kEndings);

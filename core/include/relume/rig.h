@@ -144,7 +144,8 @@ inline constexpr std::string_view kFromMaterialExpression = "from_material_expre
 /// the same in every shading model that has them. Throws Error(parameter) with the nearest name for an unknown shader.
 RELUME_API std::span<const Parameter> shader_use_parameters(std::string_view use);
 
-/// Names that [gbuffer.channels] takes: relume's semantic names, then every parameter of a shader that a channel can give.
+/// Names that [gbuffer.channels] takes: relume's semantic names, "cryptomatte" (a file that holds it), then every parameter
+/// of a shader that a channel can give.
 RELUME_API std::vector<std::string_view> channel_names();
 
 /// The rigs that relume brings, by name, and their text.
