@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "relume/gbuffer.h"
+
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <thread>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "gbuffer/band_reader.h"
+#include "relume/error.h"
+#include "relume/image_reader.h"
+#include "relume/rig.h"
+
+namespace relume::python {
+
+namespace {
+
+GBuffer from_arrays(const std::map<std::string, py::array>& arrays, const Rig& rig) {
+    std::map<std::string, MemoryChannel> channels;
+    std::string first;
+    ArrayPlanes size;
+    for (const auto& [name, array] : arrays) {
+        ArrayPlanes view = planes_for_reading(array, name);
+        if (first.empty()) {
+            first = name;
+            size = view;
+        } else if (view.height != size.height || view.width != size.width) {
+            throw Error(ErrorKind::value, name + " is " + std::to_string(view.height) + " × " +
+                                              std::to_string(view.width) + " (height × width), " + first + " is " +
+                                              std::to_string(size.height) + " × " + std::to_string(size.width) +
+                                              "; all channels must have the same size");
+        }
+        MemoryChannel channel;
+        channel.planes.assign(view.planes.begin(), view.planes.end());
+        if (const auto rule = rig.gbuffer.channels.find(name); rule != rig.gbuffer.channels.end())
+            channel.rule = rule->second;
+        channels.emplace(name, std::move(channel));
+    }
+    return GBuffer::from_memory(size.width, size.height, channels, rig.gbuffer);
+}
+
+/// (H, W, C) in canonical form; T is float, or std::uint32_t for IDs.
+template <class T>
+py::array_t<T> pixels(const GBuffer& gbuffer, const ChannelRequest& request) {
+    const Window window = gbuffer.data_window();
+    const int components = request.components;
+    py::array_t<T> result({py::ssize_t{window.height}, py::ssize_t{window.width}, py::ssize_t{components}});
+    T* const data = result.mutable_data();
+
+    const py::gil_scoped_release release;
+    const BandReader reader(gbuffer, {&request, 1});
+    const int band = std::max(reader.band_rows(), 1);
+    std::atomic<int> next{0};
+    std::atomic<bool> failed{false};
+    std::exception_ptr failure;
+    const auto work = [&] {
+        try {
+            BandReader::Scratch scratch;
+            for (int top = next.fetch_add(band); top < window.height && !failed; top = next.fetch_add(band)) {
+                const int rows = std::min(band, window.height - top);
+                reader.load(window.y + top, rows, scratch);
+                for (int row = top; row < top + rows; ++row) {
+                    const auto planes = reader.segment(window.y + row, window.x, window.width, scratch);
+                    T* const out = data + static_cast<std::ptrdiff_t>(row) * window.width * components;
+                    for (int c = 0; c < components; ++c)
+                        for (int i = 0; i < window.width; ++i)
+                            std::memcpy(out + static_cast<std::ptrdiff_t>(i) * components + c,
+                                        planes[static_cast<std::size_t>(c)] + i, sizeof(T));
+                }
+            }
+        } catch (...) {
+            if (!failed.exchange(true)) failure = std::current_exception();
+        }
+    };
+    {
+        std::vector<std::jthread> threads;
+        const int bands = (window.height + band - 1) / band;
+        for (int k = 1; k < std::min(static_cast<int>(std::thread::hardware_concurrency()), bands); ++k)
+            threads.emplace_back(work);
+        work();
+    }
+    if (failure) std::rethrow_exception(failure);
+    return result;
+}
+
+/// Calls a Python function of one path that returns (float32 (H, W, C), names of the channels, bits of integers or 0).
+StoredImage read_stored(const py::function& reader, const std::filesystem::path& path) {
+    const py::gil_scoped_acquire acquire;
+    const py::tuple result = reader(path);
+    const auto pixels = py::array_t<float, py::array::c_style>::ensure(result[0]);
+    if (!pixels || pixels.ndim() != 3) throw Error(ErrorKind::value, "an image reader returns an array of (H, W, C)");
+    StoredImage image;
+    image.height = static_cast<int>(pixels.shape(0));
+    image.width = static_cast<int>(pixels.shape(1));
+    image.channels = result[1].cast<std::vector<std::string>>();
+    image.pixels.assign(pixels.data(), pixels.data() + pixels.size());
+    image.integer_bits = result[2].cast<int>();
+    return image;
+}
+
+py::array_t<double> matrix_of(const Camera& camera) {
+    py::array_t<double> matrix({4, 4});
+    std::copy(camera.camera_to_world.begin(), camera.camera_to_world.end(), matrix.mutable_data());
+    return matrix;
+}
+
+py::tuple window_tuple(const Window& w) { return py::make_tuple(w.x, w.y, w.width, w.height); }
+
+}  // namespace
+
+void bind_gbuffer(py::module_& module) {
+    using Triple = py::typing::Tuple<double, double, double>;
+    using WindowTuple = py::typing::Tuple<int, int, int, int>;
+    py::class_<Camera>(
+        module, "Camera",
+        "The camera of a G-buffer: camera space has +X right, +Y up, and looks down −Z. For the pixel in column i and "
+        "row j, X = (i + ½)·x_scale + x_offset and Y = (j + ½)·y_scale + y_offset; a perspective ray leaves the origin "
+        "towards (X, Y, −1), an orthographic one (X, Y, 0) towards (0, 0, −1).")
+        .def_property_readonly(
+            "projection",
+            [](const Camera& c) { return c.projection == Projection::perspective ? "perspective" : "orthographic"; },
+            "perspective or orthographic")
+        .def_property_readonly("matrix", &matrix_of, "(4, 4) float64, camera to world, for column vectors.")
+        .def_readonly("x_scale", &Camera::x_scale)
+        .def_readonly("x_offset", &Camera::x_offset)
+        .def_readonly("y_scale", &Camera::y_scale, "Negative: rows run down.")
+        .def_readonly("y_offset", &Camera::y_offset)
+        .def_property_readonly(
+            "position",
+            [](const Camera& c) -> Triple { return py::make_tuple(c.position()[0], c.position()[1], c.position()[2]); },
+            "In world space.")
+        .def_property_readonly(
+            "forward",
+            [](const Camera& c) -> Triple { return py::make_tuple(c.forward()[0], c.forward()[1], c.forward()[2]); },
+            "Unit vector that it looks along, in world space.")
+        .def("__repr__", [](const Camera& c) {
+            const auto p = c.position();
+            return "<Camera at (" + std::to_string(p[0]) + ", " + std::to_string(p[1]) + ", " + std::to_string(p[2]) +
+                   ")>";
+        });
+
+    py::class_<ChannelInfo>(module, "ChannelInfo", "What was understood of one channel of a G-buffer.")
+        .def_readonly("name", &ChannelInfo::name, "\"normal\", \"base_color\", or any shader parameter's name.")
+        .def_readonly("components", &ChannelInfo::components)
+        .def_readonly("sources", &ChannelInfo::sources, "The file's channels.")
+        .def_readonly("file", &ChannelInfo::file, "The file they stand in; empty for arrays.")
+        .def_readonly("part", &ChannelInfo::part)
+        .def_readonly("interpretation", &ChannelInfo::interpretation, "\"world space, -1..1\"")
+        .def_readonly("reason", &ChannelInfo::reason, "Why it is taken so.")
+        .def("__repr__", [](const ChannelInfo& c) { return "<ChannelInfo " + c.name + ": " + c.interpretation + ">"; });
+
+    py::class_<GBuffer>(module, "GBuffer", "An understood G-buffer; relume.GBuffer is its face.")
+        .def_static(
+            "read",
+            [](const std::filesystem::path& path, const Rig& rig) {
+                const GBufferOptions options = rig.gbuffer;
+                const py::gil_scoped_release release;
+                return GBuffer::read(path, options);
+            },
+            py::arg("path"), py::arg("rig"), "With the options of the rig's [gbuffer] and [camera].")
+        .def_static("from_arrays", &from_arrays, py::arg("arrays"), py::arg("rig"),
+                    "The arrays are not copied: keep them.")
+        .def_property_readonly("data_window",
+                               [](const GBuffer& g) -> WindowTuple { return window_tuple(g.data_window()); })
+        .def_property_readonly("display_window",
+                               [](const GBuffer& g) -> WindowTuple { return window_tuple(g.display_window()); })
+        .def_property_readonly("pixel_aspect", &GBuffer::pixel_aspect)
+        .def_property_readonly("producer", [](const GBuffer& g) { return std::string(g.producer()); })
+        .def_property_readonly("working_space", [](const GBuffer& g) { return std::string(g.working_space()); })
+        .def_property_readonly("channels", &GBuffer::channels)
+        .def_property_readonly("camera", &GBuffer::camera)
+        .def_property_readonly("camera_reason", [](const GBuffer& g) { return std::string(g.camera_reason()); })
+        .def_property_readonly("camera_error", &GBuffer::camera_error)
+        .def_property_readonly("notes", &GBuffer::notes)
+        .def_property_readonly("cryptomatte", &GBuffer::cryptomatte)
+        .def(
+            "semantic",
+            [](const GBuffer& g, const std::string& name, int components) {
+                return pixels<float>(g, {ChannelRequest::Kind::semantic, name, components, {}, 1, 0});
+            },
+            py::arg("name"), py::arg("components"), "(H, W, C) float32, canonical.")
+        .def(
+            "raw",
+            [](const GBuffer& g, const std::string& name, int components) {
+                return pixels<float>(g, {ChannelRequest::Kind::raw, name, components, {}, 1, 0});
+            },
+            py::arg("name"), py::arg("components"), "(H, W, C) float32 of a channel or layer of the file.")
+        .def(
+            "ids",
+            [](const GBuffer& g, const std::string& name) {
+                return pixels<std::uint32_t>(g, {ChannelRequest::Kind::id, name, 1, {}, 1, 0});
+            },
+            py::arg("name"), "(H, W, 1) uint32.")
+        .def(
+            "matte",
+            [](const GBuffer& g, const std::vector<std::string>& patterns) {
+                return pixels<float>(g, {ChannelRequest::Kind::matte, "matte", 1, patterns, 1, 0});
+            },
+            py::arg("patterns"), "(H, W, 1) float32: coverage of the Cryptomatte names that match.");
+
+    module.def(
+        "set_image_reader",
+        [](const py::function& reader) {
+            // Held for the life of the process: the library may outlive the interpreter.
+            auto* const held = new py::function(reader);
+            set_image_reader([held](const std::filesystem::path& path) { return read_stored(*held, path); });
+        },
+        py::arg("reader"), "Who reads files that are not EXR.");
+}
+
+}  // namespace relume::python

@@ -1,0 +1,299 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The G-buffer: read from files, or made from numpy arrays without a copy."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from relume import _relume
+from relume.errors import ArgumentError, ChannelError
+from relume.rig import Rig
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from relume._relume import Camera, ChannelInfo
+
+__all__ = ["GBuffer"]
+
+# As a rule of [gbuffer.channels]: a channel, layer or file, or a mapping of the rule's keys.
+ChannelRules = Mapping[str, "str | os.PathLike[str] | Mapping[str, object]"]
+
+_IDS = ("object_id", "material_id", "shading_model_id")
+
+
+class GBuffer:
+    """What a renderer knows of each pixel: normal, base colour, roughness, position, ….
+
+    ``GBuffer.read(path)`` understands an EXR; ``GBuffer(normal=…, base_color=…)`` takes arrays in memory::
+
+        gbuffer = relume.GBuffer(normal=n, base_color=c, roughness=r, position=p, camera=matrix)
+
+    Arrays are float32 or float16, IDs uint32 too, (height, width) or (height, width, components), of any strides; they are
+    not copied, and what they hold when relight() runs is what is shaded. ``gbuffer["normal"]`` gives a channel in canonical
+    form: decoded, in world space and working space, divided by coverage.
+    """
+
+    _gbuffer: _relume.GBuffer
+    _arrays: dict[str, NDArray[Any]]
+
+    def __init__(
+        self,
+        *,
+        normal: ArrayLike,
+        channels: ChannelRules | None = None,
+        camera: ArrayLike | Mapping[str, object] | None = None,
+        alpha: ArrayLike | str | None = None,
+        working_space: str | None = None,
+        **arrays: ArrayLike,
+    ) -> None:
+        """Take arrays in memory.
+
+        Args:
+            normal: (H, W, 3) surface normals, 0 on background. World space and -1..1 unless ``channels`` says otherwise.
+            channels: how arrays are stored, by name: ``{"normal": {"space": "camera", "encoding": "0..1"}}``. The keys
+                are those of a rig's [gbuffer.channels].
+            camera: (4, 4) camera-to-world matrix (column vectors, looks down -Z, +Y up), or a mapping of the keys of a
+                rig's [camera]: ``{"matrix": m, "fov": 39.6}``. Recovered from ``position`` where that is given.
+            alpha: (H, W) the beauty's alpha; or "premultiplied" or "straight", which is what the beauty's colours are.
+            working_space: what the colours are in, "lin_rec709" by default.
+            arrays: by semantic name. beauty (H, W, 3 or 4), coverage, position (H, W, 3), view (H, W, 3) unit
+                to the camera, depth, base_color (H, W, 3), roughness, metallic, specular, emission (H, W, 3),
+                ambient_occlusion, opacity, tangent (H, W, 3), object_id, material_id, shading_model_id; and any
+                parameter of any shader.
+
+        Raises:
+            ArgumentError: an array of another dtype or shape; the message says how to convert.
+            UnknownNameError: a name that no shader and no rule knows; the message has the nearest.
+        """
+        mode = alpha if isinstance(alpha, str) else None
+        given = {"normal": normal, "alpha": None if mode else alpha} | arrays
+        self._arrays = {name: _without_copy(name, array) for name, array in given.items() if array is not None}
+        options = _options(None, None, None, mode, working_space, channels, camera)
+        self._gbuffer = _relume.GBuffer.from_arrays(self._arrays, options._rig)
+
+    @classmethod
+    def read(
+        cls,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        rig: Rig | None = None,
+        frame: int | None = None,
+        part: str | None = None,
+        view: str | None = None,
+        alpha: str | None = None,
+        working_space: str | None = None,
+        channels: ChannelRules | None = None,
+        camera: ArrayLike | Mapping[str, object] | None = None,
+    ) -> GBuffer:
+        """Understand a file. Its headers are read now, its pixels when they are needed.
+
+        Args:
+            path: an EXR, multilayer or multi-part. May be left out where the rig or ``channels`` name files.
+            rig: its [gbuffer] and [camera] are heeded; the arguments below go before them.
+            frame: replaces ####, %04d or {frame} in the path and in the rig's and ``channels``' file names.
+            part: layer or part to take when the file holds several.
+            view: "left", … of a stereo file.
+            alpha: "premultiplied" or "straight".
+            working_space: what the colours are in, where the file does not say or is wrong.
+            channels: by semantic name a channel, layer or further file, or a mapping of the keys of a rig's
+                [gbuffer.channels]: ``{"normal": {"channel": "N", "space": "camera"}}``. Files that are not EXR (PNG, JPEG,
+                TIFF) are read by the package OpenImageIO: sRGB is decoded for colours of 8 bits, vectors are 0..1.
+            camera: as in GBuffer(); for files whose header and positions have none.
+
+        Raises:
+            FileError: the file is missing or cannot be read.
+            FormatError: it is not an EXR, or damaged.
+            ChannelError: it has no normal, or several and nothing says which; further files of another size.
+            UnknownNameError: an argument that no rig knows.
+        """
+        options = _options(rig, part, view, alpha, working_space, channels, camera)
+        main = main_file(path, options)
+        if frame is not None:
+            from relume.frames import resolve_frame
+
+            main = resolve_frame(main, frame)
+            for name, source in options._rig.channel_sources().items():
+                if source is not None:
+                    options._rig.set_channel_source(name, resolve_frame(source, frame))
+        from relume.images import install_reader
+
+        install_reader()
+        result = cls.__new__(cls)
+        result._arrays = {}
+        result._gbuffer = _relume.GBuffer.read(Path(main), options._rig)
+        return result
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(height, width) of the data window, as of every array."""
+        _, _, width, height = self._gbuffer.data_window
+        return height, width
+
+    @property
+    def data_window(self) -> tuple[int, int, int, int]:
+        """(x, y, width, height) of the pixels that there are; x and y may be negative."""
+        return self._gbuffer.data_window
+
+    @property
+    def display_window(self) -> tuple[int, int, int, int]:
+        """(x, y, width, height) of the picture that the camera frames."""
+        return self._gbuffer.display_window
+
+    @property
+    def pixel_aspect(self) -> float:
+        """Width of a pixel over its height."""
+        return self._gbuffer.pixel_aspect
+
+    @property
+    def channels(self) -> list[ChannelInfo]:
+        """What was understood of each channel, and why."""
+        return self._gbuffer.channels
+
+    @property
+    def camera(self) -> Camera | None:
+        """The camera; ``camera.matrix`` is (4, 4) float64. None when nothing gives one."""
+        return self._gbuffer.camera
+
+    @property
+    def camera_reason(self) -> str:
+        """Where the camera comes from."""
+        return self._gbuffer.camera_reason
+
+    @property
+    def camera_error(self) -> float:
+        """Median reprojection error, in pixels, of a camera recovered from positions; else 0."""
+        return self._gbuffer.camera_error
+
+    @property
+    def notes(self) -> list[str]:
+        """What is missing and what is assumed instead."""
+        return self._gbuffer.notes
+
+    @property
+    def producer(self) -> str:
+        """ "Blender 5.0.1", "Arnold", …, or "unknown"."""
+        return self._gbuffer.producer
+
+    @property
+    def working_space(self) -> str:
+        """What the colours are in."""
+        return self._gbuffer.working_space
+
+    @property
+    def cryptomatte(self) -> dict[str, list[str]]:
+        """Names in the Cryptomatte manifests, by layer."""
+        return self._gbuffer.cryptomatte
+
+    def __contains__(self, name: object) -> bool:
+        return any(info.name == name for info in self.channels)
+
+    def channel(self, name: str) -> NDArray[Any]:
+        """A channel in canonical form.
+
+        Args:
+            name: a semantic name of ``channels``, or the name of a channel or layer in the file.
+
+        Returns:
+            (H, W, 3) or (H, W) float32, a new array. Normals are unit, in world space, 0 on background; colours linear, in
+            the working space; both divided by coverage. IDs are uint32.
+
+        Raises:
+            ChannelError: there is none of that name.
+        """
+        for info in self.channels:
+            if info.name == name:
+                if name in _IDS:
+                    return self._gbuffer.ids(name)[..., 0]
+                array = self._gbuffer.semantic(name, info.components)
+                return array[..., 0] if info.components == 1 else array
+        try:
+            return self._gbuffer.raw(name, 1)[..., 0]
+        except ChannelError:
+            names = [info.name for info in self.channels]
+            near = _relume.nearest_name(name, names)
+            hint = f"did you mean '{near}'?" if near else f"there are {', '.join(names)}"
+            raise ChannelError(f"the G-buffer has no channel '{name}'; {hint}") from None
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        return self.channel(name)
+
+    def matte(self, *patterns: str) -> NDArray[np.float32]:
+        """(H, W) float32: share of each pixel that Cryptomatte objects or materials of these names have.
+
+        Args:
+            patterns: names, with * and ?.
+
+        Raises:
+            ChannelError: there is no Cryptomatte.
+        """
+        return self._gbuffer.matte(list(patterns))[..., 0]
+
+    def __repr__(self) -> str:
+        height, width = self.shape
+        return f"<GBuffer {width} × {height}: {', '.join(info.name for info in self.channels)}>"
+
+
+def _without_copy(name: str, array: object) -> NDArray[Any]:
+    if isinstance(array, np.ndarray):
+        return array
+    # Lists would have to be converted, and a conversion that nobody sees is a copy that nobody wants.
+    if isinstance(array, (Sequence, int, float)) or not hasattr(array, "__array__"):
+        raise ArgumentError(
+            f"{name}: a {type(array).__name__}; give a numpy array, as numpy.asarray({name}, numpy.float32)"
+        )
+    return np.asarray(array)
+
+
+def _options(
+    rig: Rig | None,
+    part: str | None,
+    view: str | None,
+    alpha: str | None,
+    working_space: str | None,
+    channels: ChannelRules | None,
+    camera: ArrayLike | Mapping[str, object] | None,
+) -> Rig:
+    """A rig whose [gbuffer] and [camera] say all that was given."""
+    options = rig.copy() if rig is not None else Rig()
+    for key, value in (("part", part), ("view", view), ("alpha", alpha), ("working_space", working_space)):
+        if value is not None:
+            setattr(options.gbuffer, key, value)
+    for name, rule in (channels or {}).items():
+        if isinstance(rule, Mapping):
+            for key, value in rule.items():
+                options._rig.set(f"gbuffer.channels.{name}.{key}", _toml(value))
+        else:
+            options._rig.set(f"gbuffer.channels.{name}", _toml(rule))
+    if isinstance(camera, Mapping):
+        for key, value in camera.items():
+            setattr(options.camera, str(key), value)
+    elif camera is not None:
+        matrix = np.asarray(camera, dtype=np.float64)
+        if matrix.shape != (4, 4):
+            raise ArgumentError(f"camera: a matrix of shape {matrix.shape}; give (4, 4), camera to world")
+        options.camera.matrix = matrix
+    return options
+
+
+def _toml(value: object) -> str:
+    from relume.rig import toml_text
+
+    return toml_text(value)
+
+
+def main_file(path: str | os.PathLike[str] | None, options: Rig) -> str:
+    if path is not None:
+        return os.fspath(path)
+    if options._rig.gbuffer_file:
+        return options._rig.gbuffer_file
+    # One file per channel: the normal's carries the frame.
+    source = options._rig.channel_sources().get("normal")
+    if source and Path(source).suffix:
+        return source
+    raise ArgumentError("no file to read: give a path, a rig with [gbuffer] file, or channels={'normal': file, …}")
