@@ -40,7 +40,7 @@ RELUME_INLINE T blinn_phong_distribution(T exponent, const HalfVector<T>& h) {
 /// exp(−(θh/w)²), the bare Gaussian of the half angle.
 template <class T>
 RELUME_INLINE T gaussian_shape(T inv_width2, const HalfVector<T>& h) {
-    const T theta = T(2.f) * asin(constant<T>(0.5) * min(sqrt(max(h.q, T(0.f))), T(2.f)));
+    const T theta = T(2.f) * asin(min(constant<T>(0.5) * safe_sqrt(h.q), T(1.f)));
     return exp(-theta * theta * inv_width2);
 }
 
