@@ -28,5 +28,6 @@ def truth(arguments: list[str]) -> int:
 def docs(arguments: list[str]) -> int:
     """Generate the parts of docs/ and the stubs that are made from the parameter tables"""
     build.build("release")
-    run([PYTHON, ROOT / "tools" / "generate_docs.py", *arguments], env=build.python_environment())
+    for tool in ("generate_stubs.py", "generate_docs.py"):
+        run([PYTHON, ROOT / "tools" / tool, *arguments], env=build.python_environment())
     return 0
