@@ -56,6 +56,17 @@ public:
         }
         for (int& r : plan_.outputs)
             renumber(r);
+        for (const Step& step : plan_.steps) {
+            const bool looks =
+                step.op == Op::repair || step.op == Op::point || step.op == Op::depth || step.op == Op::identifier;
+            for (std::size_t k = 0; looks && k < 3; ++k) {
+                const int r = step.in[k];
+                if (r < 0 || r >= raws) continue;
+                if (std::find(plan_.neighbours.begin(), plan_.neighbours.end(), r) == plan_.neighbours.end()) {
+                    plan_.neighbours.push_back(r);
+                }
+            }
+        }
         plan_.registers = plan_.raws.size() + static_cast<std::size_t>(computed_);
     }
 
@@ -237,6 +248,13 @@ private:
         }
         // For depths the background is far away or at the far end; for positions it is the origin.
         step.scale = depth && depth == judge && depth->far ? 1.0f : 1e9f;
+        const RawPlane& plane = source_.raws[static_cast<std::size_t>(judge->raws.front())];
+        if (!plane.memory.data) {
+            const SourceFile& file = source_.files[static_cast<std::size_t>(plane.address.file)];
+            const io::Part& part = file.header.parts[static_cast<std::size_t>(plane.address.part)];
+            plan_.chunk_rows = std::max(part.rows_per_chunk, 1);
+            plan_.chunk_top = part.data_window.y;
+        }
         repair_ = step.out[0] = fresh();
         plan_.steps.push_back(std::move(step));
         return repair_;

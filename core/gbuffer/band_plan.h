@@ -25,6 +25,9 @@ struct BandPlan {
     std::vector<Step> steps;
     std::vector<int> outputs;  ///< registers, in the requests' order
     std::size_t registers = 0;
+    std::vector<int> neighbours;  ///< raw registers that repairs look at beside the run
+    int chunk_rows = 0;           ///< of the part whose samples are repaired, and the row that its chunks count from
+    int chunk_top = 0;
 };
 
 }  // namespace relume::gbuffer

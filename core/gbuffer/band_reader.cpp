@@ -2,13 +2,12 @@
 #include "gbuffer/band_reader.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <new>
 
 #include "gbuffer/band_plan.h"
 #include "gbuffer/gbuffer_impl.h"
 #include "gbuffer/planes.h"
-#include "relume/error.h"
 
 namespace relume {
 
@@ -47,6 +46,8 @@ private:
 
 std::size_t padded(int count) { return (static_cast<std::size_t>(count) + 15) / 16 * 16; }
 
+int floor_divide(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
+
 }  // namespace
 
 struct BandReader::Scratch::Impl {
@@ -57,8 +58,11 @@ struct BandReader::Scratch::Impl {
     std::vector<float*> results;
     std::vector<const float*> outputs;
     const void* reader = nullptr;  ///< whose registers these are
-    int top = 0;                   ///< absolute row at the top of `planes`
     std::size_t run_stride = 0;
+    int top = 0;  ///< absolute row at the top of `planes`
+    int rows = 0;
+    std::array<AlignedFloats, 2> beyond;                ///< raw planes of the rows above and below the loaded ones
+    std::array<std::vector<ConstPlane>, 2> neighbours;  ///< by raw register; empty until they are read
 };
 
 BandReader::Scratch::Scratch() : impl(std::make_unique<Impl>()) {}
@@ -66,16 +70,10 @@ BandReader::Scratch::~Scratch() = default;
 BandReader::Scratch::Scratch(Scratch&&) noexcept = default;
 
 struct BandReader::Impl {
-    explicit Impl(const GBuffer& buffer, std::span<const ChannelRequest> requests)
+    Impl(const GBuffer& buffer, std::span<const ChannelRequest> requests)
         : source(buffer.impl()), plan(source, requests) {
-        for (std::size_t f = 0; f < source.files.size(); ++f) {
-            std::vector<int> used;
-            for (std::size_t k = 0; k < plan.raws.size(); ++k) {
-                const gbuffer::RawPlane& raw = plan.raws[k].plane;
-                if (!raw.memory.data && raw.address.file == static_cast<int>(f)) used.push_back(static_cast<int>(k));
-            }
-            file_raws.push_back(std::move(used));
-        }
+        for (std::size_t k = 0; k < plan.raws.size(); ++k)
+            every_raw.push_back(static_cast<int>(k));
         // Geometry of row 0; rows differ by a constant.
         const Camera& camera = source.view_camera;
         const std::array<double, 16>& m = camera.camera_to_world;
@@ -87,15 +85,60 @@ struct BandReader::Impl {
             geometry.row_ray[i] = x * (0.5 * camera.x_scale + camera.x_offset) +
                                   y * (0.5 * camera.y_scale + camera.y_offset) + (geometry.perspective ? -z : t);
             geometry.column_ray[i] = x * camera.x_scale;
-            next_row[i] = y * camera.y_scale;
+            geometry.next_row[i] = y * camera.y_scale;
         }
     }
 
+    /// Reads `rows` rows from `y` on of some raw registers into `data`, and notes where they stand.
+    void read(int y, int rows, std::span<const int> registers, float* data, std::vector<ConstPlane>& planes) const {
+        const Window region{source.data_window.x, y, source.data_window.width, rows};
+        const std::size_t stride = padded(region.width);
+        const std::size_t plane_size = stride * static_cast<std::size_t>(rows);
+        std::vector<io::ReadTarget> targets;
+        for (std::size_t f = 0; f < source.files.size(); ++f) {
+            targets.clear();
+            for (std::size_t i = 0; i < registers.size(); ++i) {
+                const auto k = static_cast<std::size_t>(registers[i]);
+                const gbuffer::PlannedRaw& raw = plan.raws[k];
+                if (raw.plane.address.file != static_cast<int>(f)) continue;
+                const Plane plane{reinterpret_cast<std::byte*>(data + plane_size * i),
+                                  raw.integer ? PixelType::uint32 : PixelType::float32, 4,
+                                  static_cast<std::ptrdiff_t>(stride * sizeof(float))};
+                planes[k] = plane;
+                targets.push_back({raw.plane.address.part, raw.plane.address.channel, plane});
+            }
+            if (!targets.empty()) source.files[f].pixels->read(region, targets);
+        }
+    }
+
+    /// The rows beyond the loaded ones, on demand.
+    class Beyond final : public gbuffer::NeighbourRows {
+    public:
+        Beyond(const Impl& reader, Scratch::Impl& scratch) : reader_(reader), scratch_(scratch) {}
+
+        ConstPlane row(int raw_register, int direction) const override {
+            const std::size_t side = direction < 0 ? 0 : 1;
+            std::vector<ConstPlane>& planes = scratch_.neighbours[side];
+            if (planes.empty()) {
+                planes.resize(reader_.plan.raws.size());
+                const std::span<const int> registers = reader_.plan.neighbours;
+                float* data =
+                    scratch_.beyond[side].reserve(padded(reader_.source.data_window.width) * registers.size());
+                reader_.read(direction < 0 ? scratch_.top - 1 : scratch_.top + scratch_.rows, 1, registers, data,
+                             planes);
+            }
+            return planes[static_cast<std::size_t>(raw_register)];
+        }
+
+    private:
+        const Impl& reader_;
+        Scratch::Impl& scratch_;
+    };
+
     const GBuffer::Impl& source;
     gbuffer::BandPlan plan;
-    std::vector<std::vector<int>> file_raws;  ///< raw registers by file
+    std::vector<int> every_raw;  ///< 0, 1, 2, …
     gbuffer::RunGeometry geometry;
-    std::array<double, 3> next_row{};
 };
 
 BandReader::BandReader(const GBuffer& gbuffer, std::span<const ChannelRequest> requests)
@@ -117,33 +160,21 @@ int BandReader::band_rows() const {
 void BandReader::load(int y, int rows, Scratch& scratch) const {
     Scratch::Impl& s = *scratch.impl;
     const GBuffer::Impl& source = impl_->source;
-    const gbuffer::BandPlan& plan = impl_->plan;
-    const std::size_t count = plan.raws.size();
-    if (s.planes.size() != count) s.planes.resize(count);
+    const std::vector<gbuffer::PlannedRaw>& raws = impl_->plan.raws;
+    s.planes.resize(raws.size());
+    for (std::vector<ConstPlane>& planes : s.neighbours)
+        planes.clear();
     if (source.in_memory()) {
         s.top = source.data_window.y;
-        for (std::size_t k = 0; k < count; ++k)
-            s.planes[k] = plan.raws[k].plane.memory;
+        s.rows = source.data_window.height;
+        for (std::size_t k = 0; k < raws.size(); ++k)
+            s.planes[k] = raws[k].plane.memory;
         return;
     }
     s.top = y;
-    const std::size_t stride = padded(source.data_window.width);
-    const std::size_t plane_size = stride * static_cast<std::size_t>(rows);
-    float* band = s.band.reserve(plane_size * count);
-    const Window region{source.data_window.x, y, source.data_window.width, rows};
-    std::vector<io::ReadTarget> targets;
-    for (std::size_t f = 0; f < source.files.size(); ++f) {
-        targets.clear();
-        for (const int k : impl_->file_raws[f]) {
-            const gbuffer::PlannedRaw& raw = plan.raws[static_cast<std::size_t>(k)];
-            const Plane plane{reinterpret_cast<std::byte*>(band + plane_size * static_cast<std::size_t>(k)),
-                              raw.integer ? PixelType::uint32 : PixelType::float32, 4,
-                              static_cast<std::ptrdiff_t>(stride * sizeof(float))};
-            s.planes[static_cast<std::size_t>(k)] = plane;
-            targets.push_back({raw.plane.address.part, raw.plane.address.channel, plane});
-        }
-        if (!targets.empty()) source.files[f].pixels->read(region, targets);
-    }
+    s.rows = rows;
+    const std::size_t plane_size = padded(source.data_window.width) * static_cast<std::size_t>(rows);
+    impl_->read(y, rows, impl_->every_raw, s.band.reserve(plane_size * raws.size()), s.planes);
 }
 
 std::span<const float* const> BandReader::segment(int y, int x, int count, Scratch& scratch) const {
@@ -163,25 +194,33 @@ std::span<const float* const> BandReader::segment(int y, int x, int count, Scrat
             s.registers[r] = s.results[r];
         }
     }
-    const gbuffer::RowPlanes rows{s.planes.data(), y - s.top, x - window.x, window.width};
+    const int row = y - s.top, column = x - window.x;
     for (std::size_t k = 0; k < plan.raws.size(); ++k) {
         const ConstPlane& plane = s.planes[k];
-        const PixelType wanted = plan.raws[k].integer ? PixelType::uint32 : PixelType::float32;
-        if (plane.type == wanted && plane.x_stride == 4) {
-            s.registers[k] =
-                reinterpret_cast<const float*>(plane.data + rows.row * plane.y_stride + rows.first_column * 4);
-        } else if (plan.raws[k].integer) {
-            gbuffer::gather(plane, rows.row, rows.first_column, count, reinterpret_cast<std::uint32_t*>(s.results[k]));
+        const bool integer = plan.raws[k].integer;
+        if (plane.type == (integer ? PixelType::uint32 : PixelType::float32) && plane.x_stride == 4) {
+            const std::byte* at = plane.data + row * plane.y_stride + static_cast<std::ptrdiff_t>(column) * 4;
+            s.registers[k] = reinterpret_cast<const float*>(at);
+        } else if (integer) {
+            gbuffer::gather(plane, row, column, count, reinterpret_cast<std::uint32_t*>(s.results[k]));
             s.registers[k] = s.results[k];
         } else {
-            gbuffer::gather(plane, rows.row, rows.first_column, count, s.results[k]);
+            gbuffer::gather(plane, row, column, count, s.results[k]);
             s.registers[k] = s.results[k];
         }
     }
     if (!plan.steps.empty()) {
         gbuffer::RunGeometry geometry = impl_->geometry;
         for (std::size_t i = 0; i < 3; ++i)
-            geometry.row_ray[i] += y * impl_->next_row[i];
+            geometry.row_ray[i] += y * geometry.next_row[i];
+        const Impl::Beyond beyond(*impl_, s);
+        gbuffer::RowPlanes rows{s.planes.data(),        row,   s.rows, column, window.width, y > window.y,
+                                y + 1 < window.y_end(), false, false,  &beyond};
+        if (plan.chunk_rows > 0) {
+            const auto chunk = [&](int r) { return floor_divide(r - plan.chunk_top, plan.chunk_rows); };
+            rows.above_close = rows.above && chunk(y - 1) == chunk(y);
+            rows.below_close = rows.below && chunk(y + 1) == chunk(y);
+        }
         for (const gbuffer::Step& step : plan.steps) {
             gbuffer::run(step, s.registers.data(), s.results.data(), count, x, geometry, rows);
         }

@@ -24,10 +24,15 @@ struct Run {
     const float* in(std::size_t k) const { return step.in[k] < 0 ? nullptr : registers[step.in[k]]; }
     float* out(std::size_t k) const { return results[step.out[k]]; }
     const std::int32_t* offsets(std::size_t k) const { return reinterpret_cast<const std::int32_t*>(in(k)); }
-    /// A pixel of a raw plane beside the run: `column` counts from the run's first pixel.
-    float raw(std::size_t k, int column) const {
-        return value_at(rows.planes[step.in[k]], rows.row, rows.first_column + column);
+    ConstPlane plane(std::size_t k, int dy) const {
+        ConstPlane plane = rows.planes[step.in[k]];
+        const int row = rows.row + dy;
+        if (row < 0 || row >= rows.rows) return rows.beyond->row(step.in[k], dy);
+        plane.data += row * plane.y_stride;
+        return plane;
     }
+    /// A pixel of a raw plane near the run: `column` counts from the run's first pixel, `dy` from its row.
+    float raw(std::size_t k, int column, int dy) const { return value_at(plane(k, dy), 0, rows.first_column + column); }
 };
 
 void scale(const Run& r) {
@@ -153,8 +158,8 @@ void point(const Run& r) {
     if (!offset) return;
     for (int i = 0; i < r.count; ++i) {
         if (offset[i] == 0) continue;
-        const int j = i + offset[i];
-        std::array<float, 3> p = decode(r.raw(0, j), r.raw(1, j), r.raw(2, j));
+        const int j = i + stand_in_column(offset[i]), dy = stand_in_row(offset[i]);
+        std::array<float, 3> p = decode(r.raw(0, j, dy), r.raw(1, j, dy), r.raw(2, j, dy));
         if (s.ray) {
             // The neighbour's depth, along this pixel's own ray.
             const std::array<double, 3> q = at_depth(r.geometry, r.x + i, depth_of(r.geometry, p[0], p[1], p[2]));
@@ -168,9 +173,12 @@ void point(const Run& r) {
 }
 
 /// How far the ray goes for one unit along the view axis.
-double ray_length(const RunGeometry& g, int column) {
-    const std::array<double, 3> ray = ray_at(g, column);
-    return g.perspective ? std::sqrt(ray[0] * ray[0] + ray[1] * ray[1] + ray[2] * ray[2]) : 1.0;
+double ray_length(const RunGeometry& g, int column, int dy) {
+    if (!g.perspective) return 1.0;
+    std::array<double, 3> ray = ray_at(g, column);
+    for (std::size_t k = 0; k < 3; ++k)
+        ray[k] += dy * g.next_row[k];
+    return std::sqrt(ray[0] * ray[0] + ray[1] * ray[1] + ray[2] * ray[2]);
 }
 
 void depth(const Run& r) {
@@ -179,10 +187,15 @@ void depth(const Run& r) {
     const std::int32_t* offset = r.offsets(1);
     float* out = r.out(0);
     for (int i = 0; i < r.count; ++i) {
-        const int j = offset ? i + offset[i] : i;
-        const float stored = j == i ? a[i] * (reciprocal ? reciprocal[i] : 1.0f) : r.raw(0, j);
+        int column = i, dy = 0;
+        float stored = a[i] * (reciprocal ? reciprocal[i] : 1.0f);
+        if (offset && offset[i] != 0) {
+            column += stand_in_column(offset[i]);
+            dy = stand_in_row(offset[i]);
+            stored = r.raw(0, column, dy);
+        }
         const float distance = stored * s.scale + s.offset;
-        out[i] = s.ray ? static_cast<float>(distance / ray_length(r.geometry, r.x + j) + s.near) : distance;
+        out[i] = s.ray ? static_cast<float>(distance / ray_length(r.geometry, r.x + column, dy) + s.near) : distance;
     }
 }
 
@@ -230,38 +243,76 @@ void view(const Run& r) {
     }
 }
 
-void repair(const Run& r) {
-    const Step& s = r.step;
-    std::int32_t* out = reinterpret_cast<std::int32_t*>(r.out(0));
-    const float *ax = r.in(0), *ay = r.in(1), *az = r.in(2);
-    const bool share = s.in[4] < 0;
-    const auto present = [&](float x, float y, float z) {
-        if (s.ray) return x > 0.0f && x < s.scale;
+/// Judges pixels by what their single sample hit: a position other than the origin, or a depth before the background's.
+class Samples {
+public:
+    explicit Samples(const Run& run) : run_(run), by_depth_(run.step.ray) {}
+
+    bool present(float x, float y, float z) const {
+        if (by_depth_) return x > 0.0f && x < run_.step.scale;
         return (x != 0.0f || y != 0.0f || z != 0.0f) && std::isfinite(x + y + z);
-    };
-    const auto there = [&](int column) {
-        const int absolute = r.rows.first_column + column;
-        if (absolute < 0 || absolute >= r.rows.width) return false;
-        return s.ray ? present(r.raw(0, column), 0, 0) : present(r.raw(0, column), r.raw(1, column), r.raw(2, column));
-    };
+    }
+    bool present(int i) const {
+        return present(run_.in(0)[i], by_depth_ ? 0 : run_.in(1)[i], by_depth_ ? 0 : run_.in(2)[i]);
+    }
+    bool present(int column, int dy) const {
+        const int absolute = run_.rows.first_column + column;
+        if (absolute < 0 || absolute >= run_.rows.width) return false;
+        if (by_depth_) return present(run_.raw(0, column, dy), 0, 0);
+        return present(run_.raw(0, column, dy), run_.raw(1, column, dy), run_.raw(2, column, dy));
+    }
+    /// No number at all, where a surface or the background should be.
+    bool broken(int i) const {
+        if (by_depth_) return std::isnan(run_.in(0)[i]);
+        return !std::isfinite(run_.in(0)[i] + run_.in(1)[i] + run_.in(2)[i]);
+    }
+
+    /// The pixel that stands in for `i`, nearest first. What stands in another chunk of the file comes last, since it
+    /// must be decoded for the purpose; chunks are where they are whatever rows were loaded, and so is the answer.
+    std::int32_t stand_in_for(int i) const {
+        const RowPlanes& rows = run_.rows;
+        for (int d = 1; d <= kRepairReach; ++d) {
+            if (present(i - d, 0)) return stand_in(-d, 0);
+            if (present(i + d, 0)) return stand_in(d, 0);
+            if (d > 2) continue;
+            if (const std::int32_t found = beside(i, d, rows.above_close, rows.below_close)) return found;
+        }
+        for (int d = 1; d <= 2; ++d) {
+            if (const std::int32_t found =
+                    beside(i, d, rows.above && !rows.above_close, rows.below && !rows.below_close)) {
+                return found;
+            }
+        }
+        return 0;
+    }
+
+private:
+    /// In the rows above and below, `d` − 1 columns away.
+    std::int32_t beside(int i, int d, bool above, bool below) const {
+        for (const int dy : {-1, 1}) {
+            if (dy < 0 ? !above : !below) continue;
+            if (present(i - d + 1, dy)) return stand_in(1 - d, dy);
+            if (d > 1 && present(i + d - 1, dy)) return stand_in(d - 1, dy);
+        }
+        return 0;
+    }
+
+    const Run& run_;
+    bool by_depth_;
+};
+
+void repair(const Run& r) {
+    auto* out = reinterpret_cast<std::int32_t*>(r.out(0));
+    const bool share = r.step.in[4] < 0;
+    const Samples samples(r);
     for (int i = 0; i < r.count; ++i) {
         out[i] = 0;
-        if (present(ax[i], s.ray ? 0.0f : ay[i], s.ray ? 0.0f : az[i])) continue;
+        if (samples.present(i)) continue;
         const float c = r.in(3)[i];
         const bool covered = share ? c > 0.0f : c != 0.0f || r.in(4)[i] != 0.0f || r.in(5)[i] != 0.0f;
         // A number that is none on a surface seen in full is a fault of the file, to be counted, not an edge.
-        const bool fault = s.ray ? std::isnan(ax[i]) : !std::isfinite(ax[i] + ay[i] + az[i]);
-        if (!covered || (fault && !(share && c < 1.0f))) continue;
-        for (int d = 1; d <= kRepairReach; ++d) {
-            if (there(i - d)) {
-                out[i] = -d;
-                break;
-            }
-            if (there(i + d)) {
-                out[i] = d;
-                break;
-            }
-        }
+        if (!covered || (samples.broken(i) && !(share && c < 1.0f))) continue;
+        out[i] = samples.stand_in_for(i);
     }
 }
 
@@ -287,7 +338,8 @@ void identifier(const Run& r) {
     if (!offset) return;
     for (int i = 0; i < r.count; ++i) {
         if (offset[i] == 0) continue;
-        gather(r.rows.planes[r.step.in[0]], r.rows.row, r.rows.first_column + i + offset[i], 1, out + i);
+        gather(r.plane(0, stand_in_row(offset[i])), 0, r.rows.first_column + i + stand_in_column(offset[i]), 1,
+               out + i);
     }
 }
 

@@ -58,6 +58,11 @@ struct Step {
     float near = 0;                  ///< depth along the ray: where it starts
 };
 
+/// The neighbour in column dx (−8…8) and row dy (−1…1), as one number that is never 0.
+constexpr std::int32_t stand_in(int dx, int dy) { return (dy + 2) << 8 | (dx + 128); }
+constexpr int stand_in_column(std::int32_t code) { return (code & 255) - 128; }
+constexpr int stand_in_row(std::int32_t code) { return (code >> 8) - 2; }
+
 /// Where the run stands and where the camera sees it: for pixel centres at column i (absolute), the ray in world space
 /// is row_ray + i·column_ray, with a component of 1 along the view axis (perspective), or starts there (orthographic).
 struct RunGeometry {
@@ -66,14 +71,29 @@ struct RunGeometry {
     std::array<double, 3> forward{};
     std::array<double, 3> row_ray{};
     std::array<double, 3> column_ray{};
+    std::array<double, 3> next_row{};  ///< what a row further down adds
 };
 
-/// Pixels of whole rows beside the run, for repairs.
+/// The rows next to the loaded ones, read when they are asked for: that decodes another chunk of the file.
+class NeighbourRows {
+public:
+    virtual ~NeighbourRows() = default;
+    /// The row above (-1) or below (1) the loaded ones, of a raw register; its pixels start with the window's.
+    virtual ConstPlane row(int raw_register, int direction) const = 0;
+};
+
+/// Pixels of whole rows around the run, for repairs.
 struct RowPlanes {
     const ConstPlane* planes = nullptr;  ///< one per raw register
-    int row = 0;                         ///< in the planes
+    int row = 0;                         ///< of the run, in the planes
+    int rows = 0;                        ///< of the planes
     int first_column = 0;                ///< of the run, in the planes
     int width = 0;                       ///< of the planes
+    bool above = false;                  ///< the window has a row above the run's
+    bool below = false;
+    bool above_close = false;  ///< and it stands in the same chunk, so that it costs nothing
+    bool below_close = false;
+    const NeighbourRows* beyond = nullptr;
 };
 
 /// Runs one step over `count` pixels, the first of which is in absolute column `x`.
