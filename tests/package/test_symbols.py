@@ -60,7 +60,7 @@ def test_isa_objects_export_their_kernel_alone() -> None:
     assert offenders == {}
 
 
-@pytest.mark.parametrize("library", ["openexr", "libdeflate", "ZSTD", "ojph", "exr_"])
+@pytest.mark.parametrize("library", ["exr_", "libdeflate", "ZSTD", "ojph", "Imath"])
 def test_no_carried_library_shows(library: str) -> None:
     """The same again by name: a regular expression that accepts too much would not hide these."""
     (module,) = (BUILD / "python" / "relume").glob("_relume*.so")
