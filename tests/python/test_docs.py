@@ -190,6 +190,14 @@ def test_examples_run(tmp_path: Path) -> None:
     assert count > 0
 
 
+def test_generated_pages_are_current() -> None:
+    """After a change to a parameter table or help text: ./dev docs."""
+    done = subprocess.run(
+        [sys.executable, ROOT / "tools" / "generate_docs.py", "--check"], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
 def without_license(path: Path) -> str:
     lines = path.read_text(encoding="utf-8").splitlines()
     body = [line for line in lines if not re.match(r"(//|#) (SPDX|A shading model outside)", line)]
