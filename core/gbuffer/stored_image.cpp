@@ -2,11 +2,11 @@
 #include "gbuffer/stored_image.h"
 
 #include <algorithm>
-#include <cmath>
 #include <mutex>
 
 #include "gbuffer/names.h"
 #include "gbuffer/planes.h"
+#include "relume/display.h"
 #include "relume/error.h"
 #include "relume/image_reader.h"
 
@@ -27,9 +27,6 @@ void set_image_reader(ImageReader read) {
 namespace gbuffer {
 
 namespace {
-
-/// IEC 61966-2-1, the decoding curve.
-float from_srgb(float coded) { return coded <= 0.04045f ? coded / 12.92f : std::pow((coded + 0.055f) / 1.055f, 2.4f); }
 
 class StoredPixels final : public PixelSource {
 public:
@@ -105,7 +102,7 @@ SourceFile open_other_image(const std::filesystem::path& path, bool decode) {
     file.decoded = decode && image.integer_bits == 8;
     if (file.decoded) {
         for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-            if (image.channels[i % components] != "A") image.pixels[i] = from_srgb(image.pixels[i]);
+            if (image.channels[i % components] != "A") image.pixels[i] = srgb_decode(image.pixels[i]);
         }
     }
     io::Part part;
