@@ -109,6 +109,8 @@ void add_projections(std::vector<HeaderCamera>& found, const std::vector<double>
         std::copy(values.begin(), values.end(), m.begin());
         if (!turned) m = transpose(m);
         const bool parallel = zero(m[12], m[13], m[14]);
+        // The matrix of parallel rays tells by its zeros which way round it is.
+        if (!parallel && zero(m[3], m[7], m[11])) continue;
         for (const Reading& reading : kReadings) {
             std::array<double, 12> p{};
             for (std::size_t k = 0; k < 4; ++k) {
@@ -119,7 +121,11 @@ void add_projections(std::vector<HeaderCamera>& found, const std::vector<double>
             }
             const std::optional<Camera> camera = parallel ? camera_from_affine(p) : camera_from_projection(p);
             if (!camera) continue;
-            const double doubt = implausibility(*camera, display, pixel_aspect) + (turned != turned_first ? 0.25 : 0.0);
+            // Parallel rays do not tell which way they go, but the third coordinate grows along them.
+            const std::array<double, 3> forward = camera->forward();
+            const bool backwards = parallel && forward[0] * m[8] + forward[1] * m[9] + forward[2] * m[10] < 0;
+            const double doubt = (backwards ? 0.5 : 0.0) + implausibility(*camera, display, pixel_aspect) +
+                                 (turned != turned_first ? 0.25 : 0.0);
             found.push_back({*camera, true, doubt,
                              "the header's " + std::string(name) + ", read as " + std::string(reading.words) +
                                  (turned ? ", transposed" : "")});
