@@ -32,7 +32,8 @@ std::string folded(std::string_view name) {
     std::string out;
     for (const char c : name)
         if (c != ' ' && c != '_' && c != '-') out += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    if (out.ends_with("scene")) out.resize(out.size() - 5);
+    for (const std::string_view ending : {"scene", "display"})
+        if (out.starts_with("lin") && out.ends_with(ending)) out.resize(out.size() - ending.size());
     return out;
 }
 

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <string>
 
+#include "gbuffer/channel_rules.h"
 #include "relume/error.h"
 #include "relume/light.h"
 #include "relume/rig.h"
@@ -140,9 +141,9 @@ TEST(RigManual, ItNamesEveryShadingModelAndSemanticChannel) {
     const std::string manual = read(kManual);
     for (std::size_t id = 0; id < shading_model_names().size(); ++id)
         EXPECT_NE(manual.find(std::to_string(id) + " `" + std::string(shading_model_names()[id]) + "`"), std::string::npos) << id;
-    const auto channels = channel_names();
-    for (auto it = channels.begin(); it != channels.end() && *it != "ambient"; ++it)
-        EXPECT_NE(manual.find("`" + std::string(*it) + "`"), std::string::npos) << *it;
+    for (const auto& semantic : gbuffer::semantic_names())
+        EXPECT_NE(manual.find("`" + std::string(semantic.name) + "`"), std::string::npos) << semantic.name;
+    EXPECT_NE(manual.find("`cryptomatte`"), std::string::npos);
     for (const BuiltinRig& rig : builtin_rigs()) EXPECT_NE(manual.find("`" + std::string(rig.name) + "`"), std::string::npos);
 }
 

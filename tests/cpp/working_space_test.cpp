@@ -70,7 +70,7 @@ TEST(WorkingSpace, NamesThatProgramsUse) {
     for (const char* name : {"lin_ap1", "ACEScg", "acescg", "ACES - ACEScg", "lin_ap1_scene"}) EXPECT_EQ(name_of(name), "lin_ap1") << name;
     for (const char* name : {"lin_ap0", "ACES2065-1", "ACES - ACES2065-1"}) EXPECT_EQ(name_of(name), "lin_ap0") << name;
     for (const char* name : {"lin_rec2020", "Linear Rec.2020", "lin_rec2020_scene"}) EXPECT_EQ(name_of(name), "lin_rec2020") << name;
-    for (const char* name : {"lin_p3d65", "Linear DCI-P3 D65", "lin_adobergb", "lin_ciexyzd65_scene"}) EXPECT_NE(name_of(name), "unknown") << name;
+    for (const char* name : {"lin_p3d65", "Linear DCI-P3 D65", "lin_adobergb", "lin_ciexyzd65_scene", "lin_p3d65_display"}) EXPECT_NE(name_of(name), "unknown") << name;
     // What is not linear is none of them.
     for (const char* name : {"", "sRGB", "srgb_rec709_scene", "ACEScct", "lin", "scene", "Non-Color", "data"}) EXPECT_EQ(name_of(name), "unknown") << name;
     // No alias stands for two.

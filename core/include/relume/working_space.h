@@ -25,8 +25,8 @@ struct WorkingSpace {
 /// lin_rec709, lin_rec2020, lin_p3d65, lin_ap0, lin_ap1, lin_adobergb, lin_ciexyzd65.
 RELUME_API std::span<const WorkingSpace> working_spaces();
 
-/// By name or alias; case, blanks, '_' and '-' do not count, nor does an ending "_scene" ("ACEScg", "lin_ap1_scene",
-/// "Linear Rec.709 (sRGB)"). nullptr when relume does not know it (an OpenColorIO config still may).
+/// By name or alias; case, blanks, '_' and '-' do not count, nor does an ending "_scene" or "_display" ("ACEScg",
+/// "lin_ap1_scene", "Linear Rec.709 (sRGB)"). nullptr when relume does not know it (an OpenColorIO config still may).
 RELUME_API const WorkingSpace* find_working_space(std::string_view name);
 
 /// The space with these chromaticities, each within `tolerance`, or nullptr.

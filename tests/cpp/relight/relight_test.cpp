@@ -157,8 +157,8 @@ private:
     std::string_view before_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Isas, EveryIsa, testing::ValuesIn(available_isas()), [](const auto& info) {
-    std::string name(info.param);
+INSTANTIATE_TEST_SUITE_P(Isas, EveryIsa, testing::ValuesIn(available_isas()), [](const auto& tested) {
+    std::string name(tested.param);
     std::replace(name.begin(), name.end(), '-', '_');
     return name;
 });
