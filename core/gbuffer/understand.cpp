@@ -103,16 +103,27 @@ private:
         }
         if (parts.empty()) parts.push_back(0);
         const io::Part& first = header.parts[static_cast<std::size_t>(parts.front())];
-        Window window = first.data_window;
+        std::int64_t left = first.data_window.x, top = first.data_window.y;
+        std::int64_t right = first.data_window.x_end(), bottom = first.data_window.y_end();
         for (const int index : parts) {
             const Window& other = header.parts[static_cast<std::size_t>(index)].data_window;
-            const int left = std::min(window.x, other.x), top = std::min(window.y, other.y);
-            window = {left, top, std::max(window.x_end(), other.x_end()) - left,
-                      std::max(window.y_end(), other.y_end()) - top};
+            left = std::min<std::int64_t>(left, other.x);
+            top = std::min<std::int64_t>(top, other.y);
+            right = std::max<std::int64_t>(right, other.x_end());
+            bottom = std::max<std::int64_t>(bottom, other.y_end());
         }
-        impl_->data_window = window;
-        impl_->display_window = first.display_window;
-        impl_->pixel_aspect = first.pixel_aspect > 0 ? first.pixel_aspect : 1.0f;
+        // Parts far apart may each be small.
+        const std::int64_t width = right - left, height = bottom - top;
+        if (width <= 0 || height <= 0 || width > options_.max_pixels / height) {
+            throw Error(ErrorKind::format, file(0).path.string() + ": its parts span " + std::to_string(width) + "x" +
+                                               std::to_string(height) + " pixels, more than max_pixels allows");
+        }
+        impl_->data_window = {static_cast<int>(left), static_cast<int>(top), static_cast<int>(width),
+                              static_cast<int>(height)};
+        impl_->display_window = first.display_window.empty() ? impl_->data_window : first.display_window;
+        const bool plausible = first.pixel_aspect > 1e-3f && first.pixel_aspect < 1e3f;
+        impl_->pixel_aspect = plausible ? first.pixel_aspect : 1.0f;
+        if (!plausible) impl_->notes.push_back("the header's pixel aspect ratio makes no sense: 1 is taken");
     }
 
     /// Opens a further file and checks that it shows the same frame.
@@ -132,8 +143,7 @@ private:
         SourceFile opened = open_file(path, options_.max_pixels, color);
         const int index = static_cast<int>(impl_->files.size());
         for (Layer& layer : opened.layers) {
-            for (Component& component : layer.components)
-                component.address.file = index;
+            for (Component& component : layer.components) component.address.file = index;
         }
         for (const io::Part& part : opened.header.parts) {
             const bool same = part.data_window == impl_->data_window ||
@@ -149,8 +159,7 @@ private:
     }
 
     void take_semantics() {
-        for (const SemanticName& semantic : semantic_names())
-            take(semantic);
+        for (const SemanticName& semantic : semantic_names()) take(semantic);
         // Alpha is a component of the beauty in most files.
         if (!impl_->find("alpha") && beauty_alpha_) {
             const Component* alpha = beauty_alpha_;
@@ -199,8 +208,7 @@ private:
                 if (fit.fit == Fit::none || fit.group != choice_.group || layer.view != choice_.view) continue;
                 const std::vector<const Component*> rgb = layer.pick("RGB");
                 if (rgb.empty() || !s.glossy.empty()) continue;
-                for (const Component* component : rgb)
-                    s.glossy.push_back(impl_->raw_of(*component));
+                for (const Component* component : rgb) s.glossy.push_back(impl_->raw_of(*component));
             }
         }
     }
@@ -286,8 +294,7 @@ private:
         if (source.header.parts.size() > 1) {
             s.info.part = source.header.parts[static_cast<std::size_t>(address.part)].name;
         }
-        for (const Component* component : components)
-            s.raws.push_back(impl_->raw_of(*component));
+        for (const Component* component : components) s.raws.push_back(impl_->raw_of(*component));
         return s;
     }
 
@@ -315,8 +322,7 @@ private:
         s.detect_space = vector && open && (row.space == Space::world || row.producer != Producer::unknown);
         s.kind = row.depth;
         s.detect_kind = s.quantity == Quantity::depth;
-        for (const char axis : row.flip)
-            s.sign[static_cast<std::size_t>(axis - 'x')] *= -1;
+        for (const char axis : row.flip) s.sign[static_cast<std::size_t>(axis - 'x')] *= -1;
         const ProducerTraits& producer = traits(file(0).producer.producer);
         const bool plain = s.info.name == "beauty" || s.info.name == "alpha";
         s.averaged = row.averaged && producer.averaged && !plain;
@@ -375,8 +381,7 @@ private:
                 if (info.name == name) layer.manifest = cryptomatte::load_manifest(info, source.path, impl_->notes);
             }
             std::vector<std::string>& names = impl_->crypto_names[name];
-            for (const auto& entry : layer.manifest)
-                names.push_back(entry.first);
+            for (const auto& entry : layer.manifest) names.push_back(entry.first);
             impl_->crypto_layers.push_back(std::move(layer));
         }
     }

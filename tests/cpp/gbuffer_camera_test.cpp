@@ -116,8 +116,7 @@ TEST_F(HeaderCamera, WorldToCameraTakesItsLensFromElsewhere) {
 
     // OpenEXR's own words: a left-handed frame that looks along +Z.
     Matrix4 left = view;
-    for (std::size_t k = 8; k < 12; ++k)
-        left[k] = -left[k];
+    for (std::size_t k = 8; k < 12; ++k) left[k] = -left[k];
     for (const bool positions : {false, true}) {
         made = part(positions);
         made.attributes = {test::matrix("worldToCamera", test::transposed(left)), test::number("CameraFocalLength", 50),
@@ -128,8 +127,7 @@ TEST_F(HeaderCamera, WorldToCameraTakesItsLensFromElsewhere) {
 
     // +X to the left: the positions tell.
     Matrix4 mirrored = left;
-    for (std::size_t k = 0; k < 4; ++k)
-        mirrored[k] = -mirrored[k];
+    for (std::size_t k = 0; k < 4; ++k) mirrored[k] = -mirrored[k];
     made = part(true);
     made.attributes = {test::matrix("worldToCamera", test::transposed(mirrored))};
     gbuffer = read(made);
@@ -170,8 +168,7 @@ TEST_F(HeaderCamera, NonsenseIsSurvived) {
             made.attributes = {test::matrix(name, m)};
             const GBuffer gbuffer = read(made);
             if (!gbuffer.camera()) continue;
-            for (const double v : gbuffer.camera()->camera_to_world)
-                EXPECT_TRUE(std::isfinite(v)) << name << value;
+            for (const double v : gbuffer.camera()->camera_to_world) EXPECT_TRUE(std::isfinite(v)) << name << value;
         }
     }
     MadePart made = part(false);

@@ -53,8 +53,7 @@ protected:
     /// The file is understood: its producer, and world normals, positions, depths, colours as the scene has them.
     void check(const GBuffer& gbuffer, std::string_view producer, std::initializer_list<const char*> channels) {
         EXPECT_EQ(gbuffer.producer(), producer);
-        for (const char* name : channels)
-            EXPECT_TRUE(gbuffer.find(name)) << name;
+        for (const char* name : channels) EXPECT_TRUE(gbuffer.find(name)) << name;
         ASSERT_TRUE(gbuffer.find("normal"));
         const auto told = [&](const char* name) {
             const ChannelInfo* info = gbuffer.find(name);
@@ -240,8 +239,7 @@ TEST_F(Producers, RenderMan) {
     MadePart seen;
     seen.attributes = part.attributes;
     std::array<double, 16> view = scene.view_matrix();
-    for (std::size_t k = 0; k < 4; ++k)
-        view[8 + k] = -view[8 + k];  // +Z forward
+    for (std::size_t k = 0; k < 4; ++k) view[8 + k] = -view[8 + k];  // +Z forward
     seen.attributes.push_back(test::matrix("worldToCamera", test::transposed(view)));
     add_vector(seen, "Nn", flipped(seen_normal, 1, 1, -1), "rgb");
     add_vector(seen, "P", flipped(seen_position, 1, 1, -1), "rgb");
@@ -282,8 +280,7 @@ TEST_F(Producers, Mitsuba) {
 TEST_F(Producers, Pbrt) {
     MadePart part;
     std::array<double, 16> view = scene.view_matrix();
-    for (std::size_t k = 0; k < 4; ++k)
-        view[8 + k] = -view[8 + k];
+    for (std::size_t k = 0; k < 4; ++k) view[8 + k] = -view[8 + k];
     // pbrt stores its matrices the other way round.
     part.attributes = {test::number("samplesPerPixel", 16), test::matrix("worldToCamera", view)};
     add_vector(part, "", light, "RGB");
