@@ -21,8 +21,7 @@ constexpr int kMatteLayers = 2;
 /// Eight lower-case digits, as manifests hold them.
 std::string hexadecimal(std::uint32_t id) {
     std::string text(8, '0');
-    for (std::size_t digit = 8; digit-- > 0; id >>= 4)
-        text[digit] = "0123456789abcdef"[id & 15];
+    for (std::size_t digit = 8; digit-- > 0; id >>= 4) text[digit] = "0123456789abcdef"[id & 15];
     return text;
 }
 
@@ -51,26 +50,22 @@ public:
         : scene_(scene), options_(options), specs_(scene.channels()) {
         image_.window = {0, 0, options.width, options.height};
         image_.camera = scene.camera();
-        for (const ChannelSpec& spec : specs_)
-            add(spec.name);
+        for (const ChannelSpec& spec : specs_) add(spec.name);
         if (has_beauty()) {
-            for (const char* component : {"R", "G", "B", "A"})
-                add("Combined." + std::string(component));
+            for (const char* component : {"R", "G", "B", "A"}) add("Combined." + std::string(component));
         }
         for (int layer = 0; layer < kMatteLayers; ++layer) {
             for (const char* component : {"r", "g", "b", "a"}) {
                 add("CryptoObject0" + std::to_string(layer) + "." + component);
             }
         }
-        for (const std::string_view object : scene.objects())
-            ids_.push_back(cryptomatte::id_bits(object));
+        for (const std::string_view object : scene.objects()) ids_.push_back(cryptomatte::id_bits(object));
         add_attributes();
     }
 
     SceneImage run() && {
         in_parallel(options_.height, options_.threads, [this](int j) {
-            for (int i = 0; i < options_.width; ++i)
-                render_pixel(i, j);
+            for (int i = 0; i < options_.width; ++i) render_pixel(i, j);
         });
         std::sort(image_.channels.begin(), image_.channels.end(),
                   [](const SceneChannel& a, const SceneChannel& b) { return a.name < b.name; });

@@ -122,8 +122,7 @@ dvec3 Room::radiance(RoomHit hit, dvec3 direction, const PathRandom& random, con
         if (aimed) {
             const std::array<double, 4> w = random.draw(static_cast<std::uint32_t>(2 * bounce + 1));
             dvec3 point;
-            for (int axis = 0; axis < 3; ++axis)
-                point[axis] = glm::mix(light->low[axis], light->high[axis], w[axis]);
+            for (int axis = 0; axis < 3; ++axis) point[axis] = glm::mix(light->low[axis], light->high[axis], w[axis]);
             const dvec3 size = light->high - light->low;
             const double area = size[(light->axis + 1) % 3] * size[(light->axis + 2) % 3];
             const dvec3 way = point - origin;

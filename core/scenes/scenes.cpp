@@ -80,10 +80,8 @@ void write_scene(std::string_view name, const std::filesystem::path& path, const
     const SceneImage image = render_scene(name, options);
     io::Part part;
     part.data_window = part.display_window = image.window;
-    for (const SceneChannel& channel : image.channels)
-        part.channels.push_back({channel.name, PixelType::float32});
-    for (const auto& [key, value] : image.attributes)
-        part.attributes.push_back({key, "string", value});
+    for (const SceneChannel& channel : image.channels) part.channels.push_back({channel.name, PixelType::float32});
+    for (const auto& [key, value] : image.attributes) part.attributes.push_back({key, "string", value});
 
     io::ExrWriter writer(path, io::Header{{part}});
     const int band = writer.rows_per_chunk();

@@ -15,8 +15,7 @@ struct Toon {
         "base_color·shade/π "
         "below it. Not reciprocal; in the light it is as bright as a matt surface that faces the light.";
 
-    template <class T>
-    struct Params {
+    template <class T> struct Params {
         Color<T> base_color;
         T threshold;
         T shade;
@@ -33,10 +32,7 @@ struct Toon {
     static constexpr bool lit_from_below = false;
     static constexpr Lobe terms[] = {Lobe::diffuse};
 
-    template <class T>
-    struct Prepared : PreparedTerms<T, 1> {
-        T threshold, shade;
-    };
+    template <class T> struct Prepared : PreparedTerms<T, 1> { T threshold, shade; };
 
     template <class T>
     static RELUME_INLINE Prepared<T> prepare(const Params<T>& p, const Options&, const Geometry<T>&) {

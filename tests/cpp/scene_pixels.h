@@ -23,8 +23,7 @@ inline float at(const SceneImage& image, std::string_view channel, int i, int j)
 /// Three channels of a layer.
 inline glm::dvec3 triple(const SceneImage& image, const std::string& layer, const char* components, int i, int j) {
     glm::dvec3 value;
-    for (int k = 0; k < 3; ++k)
-        value[k] = at(image, layer + "." + components[k], i, j);
+    for (int k = 0; k < 3; ++k) value[k] = at(image, layer + "." + components[k], i, j);
     return value;
 }
 

@@ -26,8 +26,7 @@ TEST(CornellSceneTest, RaysMeetTheWallsAndSpheresWhereAlgebraSays) {
         long double x, y, z, r;
     };
     std::vector<Ball> balls{{-9, -9.3L, 20, 3}, {0, -9.3L, 20, 3}, {9, -9.3L, 20, 3}};
-    for (int i = 0; i < 5; ++i)
-        balls.push_back({-10.0L + 5 * i, 0, 23, 1.75L});
+    for (int i = 0; i < 5; ++i) balls.push_back({-10.0L + 5 * i, 0, 23, 1.75L});
     const CornellScene scene(96, 72, 8);
     std::array<int, 15> seen{};
     for (int j = 0; j < 72; ++j) {
@@ -85,8 +84,7 @@ TEST(CornellSceneTest, RaysMeetTheWallsAndSpheresWhereAlgebraSays) {
         }
     }
     // The frame is too wide for the height of 72 rows: floor, ceiling and sides, but little background.
-    for (int object = 1; object <= 14; ++object)
-        EXPECT_GT(seen[static_cast<std::size_t>(object)], 10) << object;
+    for (int object = 1; object <= 14; ++object) EXPECT_GT(seen[static_cast<std::size_t>(object)], 10) << object;
 }
 
 TEST(CornellSceneTest, MaterialsReachTheirChannels) {

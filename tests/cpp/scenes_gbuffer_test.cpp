@@ -56,24 +56,21 @@ TEST_P(ScenesGBufferTest, TheCameraFollowsFromThePositions) {
     ASSERT_TRUE(gbuffer.camera()) << gbuffer.camera_reason();
     const Camera& found = *gbuffer.camera();
     const Camera made = render_scene(GetParam(), {.width = 160, .height = 90, .samples = 1, .paths = 0}).camera;
-    for (std::size_t k = 0; k < 3; ++k)
-        EXPECT_NEAR(found.position()[k], made.position()[k], 1e-3) << k;
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(found.position()[k], made.position()[k], 1e-3) << k;
     // Where the rays of the corners go, in world space.
     const auto ray = [](const Camera& c, double u, double v) {
         const std::array<double, 3> r{u * c.x_scale + c.x_offset, v * c.y_scale + c.y_offset, -1};
         const double length = std::hypot(r[0], r[1], r[2]);
         std::array<double, 3> world{};
         for (std::size_t row = 0; row < 3; ++row) {
-            for (std::size_t k = 0; k < 3; ++k)
-                world[row] += c.camera_to_world[4 * row + k] * r[k] / length;
+            for (std::size_t k = 0; k < 3; ++k) world[row] += c.camera_to_world[4 * row + k] * r[k] / length;
         }
         return world;
     };
     for (const auto& [u, v] : {std::pair{0.0, 0.0}, {160.0, 0.0}, {0.0, 90.0}, {160.0, 90.0}, {80.0, 45.0}}) {
         const auto a = ray(found, u, v);
         const auto b = ray(made, u, v);
-        for (std::size_t k = 0; k < 3; ++k)
-            EXPECT_NEAR(a[k], b[k], 2e-4) << u << " " << v;
+        for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(a[k], b[k], 2e-4) << u << " " << v;
     }
 }
 

@@ -71,8 +71,7 @@ TEST(ScenesRelightTest, SdfGivesItsOwnBeautyBack) {
             ++compared;
             const dvec3 expected = triple(result.scene, "Combined", "RGB", i, j);
             // The camera is recovered from float positions: 1e-6 of the view direction, which the highlight feels.
-            for (int k = 0; k < 3; ++k)
-                EXPECT_NEAR(found[k], expected[k], 1e-4 * expected[k]) << i << " " << j;
+            for (int k = 0; k < 3; ++k) EXPECT_NEAR(found[k], expected[k], 1e-4 * expected[k]) << i << " " << j;
         }
     }
     EXPECT_GT(compared, 12000);
@@ -93,8 +92,7 @@ TEST(ScenesRelightTest, SilhouettesAreCoverageTimesTheSurface) {
             ++edges;
             const dvec3 found = result.pixel(i, j);
             const dvec3 expected = triple(result.scene, "Combined", "RGB", i, j);
-            for (int k = 0; k < 3; ++k)
-                EXPECT_NEAR(found[k], expected[k], 0.01 * coverage) << i << " " << j;
+            for (int k = 0; k < 3; ++k) EXPECT_NEAR(found[k], expected[k], 0.01 * coverage) << i << " " << j;
         }
     }
     EXPECT_GT(edges, 100);
@@ -123,8 +121,7 @@ TEST(ScenesRelightTest, CornellsWallsUnderASpot) {
             const double at_wall = std::max(0.0, glm::dot(triple(result.scene, "Normal", "XYZ", i, j), way) / r);
             const dvec3 irradiance = dvec3(1000, 900, 700) * (at_lamp * at_wall / (r * r)) + dvec3(0.55, 0.55, 0.28);
             const dvec3 expected = triple(result.scene, "albedo", "RGB", i, j) * irradiance / std::numbers::pi;
-            for (int k = 0; k < 3; ++k)
-                EXPECT_NEAR(found[k], expected[k], 2e-5 * expected[k]) << i << " " << j;
+            for (int k = 0; k < 3; ++k) EXPECT_NEAR(found[k], expected[k], 2e-5 * expected[k]) << i << " " << j;
             ++compared;
         }
     }

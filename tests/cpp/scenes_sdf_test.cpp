@@ -189,8 +189,7 @@ TEST(SdfSceneTest, BeautyFromTheTextbook) {
                 ++lit;
             }
             const dvec3 found = triple(image, "Combined", "RGB", i, j);
-            for (int k = 0; k < 3; ++k)
-                EXPECT_NEAR(found[k], expected[k], 3e-5 * expected[k] + 1e-6) << i << " " << j;
+            for (int k = 0; k < 3; ++k) EXPECT_NEAR(found[k], expected[k], 3e-5 * expected[k] + 1e-6) << i << " " << j;
         }
     }
     EXPECT_GT(lit, 1000);

@@ -119,8 +119,7 @@ TEST(ScenesTest, TheCameraTurnsDepthIntoPosition) {
                 const dvec3 position = triple(image, "Position", "XYZ", i, j);
                 for (int row = 0; row < 3; ++row) {
                     double expected = c.camera_to_world[4 * row + 3];
-                    for (int k = 0; k < 3; ++k)
-                        expected += c.camera_to_world[4 * row + k] * in_camera[k];
+                    for (int k = 0; k < 3; ++k) expected += c.camera_to_world[4 * row + k] * in_camera[k];
                     EXPECT_NEAR(position[row], expected, 1e-6 * depth) << info.name << " " << i << " " << j;
                 }
             }

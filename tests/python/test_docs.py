@@ -200,13 +200,12 @@ def test_generated_pages_are_current() -> None:
 
 def without_license(path: Path) -> str:
     lines = path.read_text(encoding="utf-8").splitlines()
-    body = [line for line in lines if not re.match(r"(//|#) (SPDX|A shading model outside)", line)]
-    return "\n".join(body).strip()
+    return "\n".join(line for line in lines if not re.match(r"(//|#) (SPDX|A shading model outside)", line))
 
 
 def test_shader_guide_shows_the_example_that_is_built() -> None:
     page = ROOT / "docs" / "howto-shader.md"
-    ((_, code),) = fences(page, "cpp")
-    assert code.strip() == without_license(ROOT / "examples" / "shaders" / "toon.cpp")
-    ((_, cmake),) = fences(page, "cmake")
-    assert cmake.strip() == without_license(ROOT / "examples" / "shaders" / "CMakeLists.txt")
+    for kind, file in (("cpp", "toon.cpp"), ("cmake", "CMakeLists.txt")):
+        ((_, shown),) = fences(page, kind)
+        # Whatever a formatter makes of the white space.
+        assert shown.split() == without_license(ROOT / "examples" / "shaders" / file).split()
