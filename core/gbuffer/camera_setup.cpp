@@ -8,6 +8,7 @@
 #include "gbuffer/camera_header.h"
 #include "gbuffer/gbuffer_impl.h"
 #include "gbuffer/sampling.h"
+#include "gbuffer/sightings.h"
 #include "relume/error.h"
 
 namespace relume::gbuffer {
@@ -15,8 +16,8 @@ namespace relume::gbuffer {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kNormalLens = 39.6;  ///< degrees: what is assumed of a camera of which nothing is known
-constexpr std::size_t kMostSightings = 6000;
+constexpr double kNormalLens = 39.6;        ///< degrees: what is assumed of a camera of which nothing is known
+constexpr std::size_t kFewSightings = 500;  ///< fewer, and it is worth looking at all of the picture
 constexpr std::size_t kLeastSightings = 24;
 constexpr double kLargestError = 1.5;  ///< pixels, median: more is no camera
 
@@ -24,59 +25,6 @@ std::string format(const char* pattern, double a, double b = 0) {
     char text[200];
     std::snprintf(text, sizeof text, pattern, a, b);
     return text;
-}
-
-struct RowPoints {
-    const SampledRow& row;
-    std::size_t first;
-    const Semantic& position;
-
-    Vector3 at(std::size_t i) const {
-        Vector3 p{};
-        for (std::size_t k = 0; k < 3; ++k) {
-            double v = row.planes[first + k][i];
-            if (position.encoding == Encoding::zero_to_one) v = 2 * v - 1;
-            p[k] = v * static_cast<double>(position.sign[k]);
-        }
-        return p;
-    }
-    bool valid(std::size_t i) const {
-        const auto value = [&](std::size_t k) { return row.planes[first + k][i]; };
-        return (value(0) != 0 || value(1) != 0 || value(2) != 0) && std::isfinite(value(0) + value(1) + value(2));
-    }
-};
-
-/// Pixels whose positions can be trusted: two neighbours on either side are surface too, and it goes on evenly there.
-std::vector<Sighting> sightings(const GBuffer::Impl& impl, std::span<const SampledRow> rows, int first, int depth) {
-    const Semantic& position = *impl.find("position");
-    std::vector<Sighting> all;
-    for (const SampledRow& row : rows) {
-        const RowPoints points{row, static_cast<std::size_t>(first), position};
-        const std::size_t width = row.planes[points.first].size();
-        for (std::size_t i = 0; i < width; ++i) {
-            if (!points.valid(i)) continue;
-            const Vector3 p = points.at(i);
-            // Narrow images have no neighbours to ask.
-            if (width >= 16) {
-                if (i < 2 || i + 2 >= width) continue;
-                if (!points.valid(i - 2) || !points.valid(i - 1) || !points.valid(i + 1) || !points.valid(i + 2))
-                    continue;
-                const double inner = std::max(length(minus(p, points.at(i - 1))), length(minus(p, points.at(i + 1))));
-                const double outer = std::max(length(minus(points.at(i - 1), points.at(i - 2))),
-                                              length(minus(points.at(i + 1), points.at(i + 2))));
-                if (inner > 4 * outer) continue;
-            }
-            const double d = depth < 0 ? 0 : static_cast<double>(row.planes[static_cast<std::size_t>(depth)][i]);
-            all.push_back(
-                {impl.data_window.x + static_cast<double>(i) + 0.5, row.y + 0.5, p, d > 0 && d < 1e9 ? d : 0});
-        }
-    }
-    if (all.size() <= kMostSightings) return all;
-    std::vector<Sighting> some;
-    some.reserve(kMostSightings);
-    for (std::size_t k = 0; k < kMostSightings; ++k)
-        some.push_back(all[k * all.size() / kMostSightings]);
-    return some;
 }
 
 struct GivenLens {
@@ -168,7 +116,7 @@ private:
     void look_at_positions() {
         seen_ = sightings(impl_, sample_.rows, sample_.position, planar_depth_plane(sample_.depth));
         fit();
-        if (!fit_ && !impl_.data_window.empty()) {
+        if (!fit_ && seen_.size() < kFewSightings && !impl_.data_window.empty()) {
             // Little of the picture may be surface: look at all of it.
             std::vector<int> raws = impl_.find("position")->raws;
             const Semantic* depth = impl_.find("depth");
@@ -196,8 +144,7 @@ private:
         Semantic& position = *impl_.find("position");
         if (!position.detect_space) return;
         double size = 0;
-        for (const Sighting& s : seen_)
-            size += length(s.point) / static_cast<double>(seen_.size());
+        for (const Sighting& s : seen_) size += length(s.point) / static_cast<double>(seen_.size());
         const int own = own_space(fit_->camera, size);
         if (position.space == Space::camera && own == 0) {
             position.space = Space::world;
@@ -348,8 +295,7 @@ private:
         for (std::size_t j = 0; j < 3; ++j) {
             const double size = std::sqrt(m[j] * m[j] + m[4 + j] * m[4 + j] + m[8 + j] * m[8 + j]);
             if (!(size > 1e-12)) throw Error(ErrorKind::value, "camera matrix: one of its axes has no length");
-            for (std::size_t i = 0; i < 3; ++i)
-                camera.camera_to_world[4 * i + j] /= size;
+            for (std::size_t i = 0; i < 3; ++i) camera.camera_to_world[4 * i + j] /= size;
         }
         impl_.camera = camera;
         impl_.camera_reason = "the matrix" + words;
@@ -410,8 +356,7 @@ private:
         };
         const double planar_error = median(planar), ray_error = median(ray), shift = median(offset);
         std::vector<double> spread;
-        for (const double o : offset)
-            spread.push_back(std::abs(o - shift));
+        for (const double o : offset) spread.push_back(std::abs(o - shift));
         const double shift_spread = median(spread);
         constexpr double kSame = 2e-3;
         if (planar_error < kSame && planar_error <= ray_error) {
