@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <string_view>
+#include <system_error>
 
 #include "relume/display.h"
 #include "relume/error.h"
@@ -40,6 +42,12 @@ std::string config_file(const std::string& given) {
 ocio::ConstConfigRcPtr open_config(const std::string& given) {
     const std::string file = config_file(given);
     const std::string whose = given.empty() ? " (named by the environment variable OCIO)" : "";
+    // OpenColorIO says little of these, and yaml-cpp leaks on a folder.
+    if (std::error_code error; !file.starts_with("ocio://")) {
+        const auto status = std::filesystem::status(file, error);
+        if (!std::filesystem::exists(status)) throw Error(ErrorKind::file, file + whose + ": no such OpenColorIO config");
+        if (std::filesystem::is_directory(status)) throw Error(ErrorKind::file, file + whose + ": is a directory; an OpenColorIO config is a file");
+    }
     try {
         return ocio::Config::CreateFromFile(file.c_str());
     } catch (const std::exception& error) {
