@@ -1,29 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <cstring>
 
+#include "io/pixel_convert.h"
 #include "relume/image.h"
 
 namespace relume::gbuffer {
-
-/// IEEE half to float, without branches, so that loops over it become SIMD code. Subnormals come out exactly: their
-/// bits, read as a float with a biased exponent, differ from the value by a constant factor of two and a constant.
-inline float half_to_float(std::uint16_t bits) {
-    constexpr std::uint32_t kMagnitude = 0x7fffu << 13;
-    constexpr std::uint32_t kExponent = 0x7c00u << 13;
-    constexpr std::uint32_t kRebias = (127u - 15u) << 23;
-    const std::uint32_t sign = static_cast<std::uint32_t>(bits & 0x8000u) << 16;
-    const std::uint32_t magnitude = (static_cast<std::uint32_t>(bits) << 13) & kMagnitude;
-    const std::uint32_t exponent = magnitude & kExponent;
-    const std::uint32_t normal = magnitude + kRebias;
-    const std::uint32_t special = normal + kRebias;  // infinity and NaN take the top exponent
-    const float subnormal = std::bit_cast<float>(normal + (1u << 23)) - std::bit_cast<float>(113u << 23);
-    const std::uint32_t finite = exponent == 0 ? std::bit_cast<std::uint32_t>(subnormal) : normal;
-    return std::bit_cast<float>(sign | (exponent == kExponent ? special : finite));
-}
 
 /// One pixel of a plane, as float.
 inline float value_at(const ConstPlane& plane, std::ptrdiff_t row, std::ptrdiff_t column) {
@@ -32,7 +16,7 @@ inline float value_at(const ConstPlane& plane, std::ptrdiff_t row, std::ptrdiff_
         case PixelType::half: {
             std::uint16_t bits = 0;
             std::memcpy(&bits, at, sizeof bits);
-            return half_to_float(bits);
+            return io::half_to_float(bits);
         }
         case PixelType::float32: {
             float value = 0;

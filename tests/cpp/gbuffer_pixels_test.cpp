@@ -303,23 +303,6 @@ TEST_F(Disk, DataAndDisplayWindowsMayDiffer) {
               1e-5);
 }
 
-TEST(Pixels, HalvesBecomeTheFloatsThatTheyAre) {
-    for (std::uint32_t bits = 0; bits < 65536; ++bits) {
-        const int exponent = static_cast<int>(bits >> 10 & 31);
-        const double mantissa = bits & 1023;
-        double value = exponent == 0 ? std::ldexp(mantissa, -24) : std::ldexp(1024 + mantissa, exponent - 25);
-        if (exponent == 31) value = mantissa == 0 ? HUGE_VAL : std::nan("");
-        if (bits & 0x8000) value = -value;
-        const float got = gbuffer::half_to_float(static_cast<std::uint16_t>(bits));
-        if (std::isnan(value)) {
-            ASSERT_TRUE(std::isnan(got));
-        } else {
-            ASSERT_EQ(static_cast<double>(got), value) << bits;
-            ASSERT_EQ(std::signbit(got), (bits & 0x8000) != 0);
-        }
-    }
-}
-
 TEST(Pixels, IdentifiersAreRounded) {
     EXPECT_EQ(gbuffer::to_identifier(2.4999f), 2u);
     EXPECT_EQ(gbuffer::to_identifier(2.5f), 3u);
