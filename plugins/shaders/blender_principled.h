@@ -153,7 +153,7 @@ struct BlenderPrincipled {
         const T retro = r * fma(fl * fv, r - one, fl + fv);
         w[0] = n_dot_l * fma(fma(fv, -half, one), fma(fl, -half, one), retro);
         w[1] = zero;
-        if (m.any_sheen) w[1] = n_dot_l * schlick_weight(h.v_dot_h);
+        if (m.any_sheen) w[1] = n_dot_l * max(schlick_weight(h.v_dot_h), zero);
 
         const T sin2_h = h.sin2_h();
         const T bracket = ggx_bracket(m.alpha2, sin2_h);

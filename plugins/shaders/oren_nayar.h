@@ -13,7 +13,7 @@ struct OrenNayar {
         "A rough matt surface: matt facets that shade and light one another, flatter than Lambert and brighter towards the light; "
         "plaster, clay, concrete, the full moon. sigma is the standard deviation of the facets' slope angle in radians; 0 is Lambert. "
         "With s = l·v − n·l·n·v, form 1994: f·NdotL = base_color/π·NdotL·(A + B·max(0, s)/max(NdotL, NdotV)), A = 1 − "
-        "0.5σ²/(σ²+0.33), B = 0.45σ²/(σ²+0.09) [OrenNayar1994, eq. 30]; its albedo passes base_color by 0.4 % at most. Form fujii: "
+        "0.5σ²/(σ²+0.33), B = 0.45σ²/(σ²+0.09) [OrenNayar1994, eq. 30]; its albedo passes base_color by up to 1.4 % (sigma 0.2, grazing view). Form fujii: "
         "base_color·NdotL·(A + B·s/t), t = max(NdotL, NdotV) where s > 0 and 1 elsewhere, A = 1/(π+(π/2−2/3)σ), B = σA [Fujii2012]: no "
         "dark ring, sigma 0 to 1, albedo at most base_color. Both are reciprocal.";
 

@@ -134,7 +134,7 @@ struct Principled {
         if (out.any_coat) {
             out.coat_distribution = gtr1(lerp(constant<T>(0.1), constant<T>(0.001), saturate(p.clearcoat_gloss)));
             out.coat = constant<T>(0.25) * saturate(p.clearcoat) * ggx_half_masking(constant<T>(kCoatMasking2), g.n_dot_v);
-            if (o.variant == mitsuba) out.coat = out.coat * constant<T>(4) * g.n_dot_v;
+            if (o.variant == mitsuba) out.coat = out.coat * T(2.f) * g.n_dot_v;
         }
         return out;
     }
@@ -155,7 +155,7 @@ struct Principled {
             diffuse = select(m.subsurface > zero, lerp(diffuse, ss, m.subsurface), diffuse);
         }
         w[0] = n_dot_l * diffuse;
-        w[1] = m.any_sheen ? n_dot_l * fh : zero;
+        w[1] = m.any_sheen ? n_dot_l * max(fh, zero) : zero;
 
         const T sin2_h = h.sin2_h();
         const T bracket = ggx_bracket(m.alpha2, sin2_h);
@@ -170,7 +170,7 @@ struct Principled {
         w[3] = o.variant == mitsuba ? lobe * fma(m.exact, dielectric_fresnel(h.v_dot_h, m.eta), fh * m.white) : fh * lobe;
         if (m.any_coat) {
             T coat = m.coat * n_dot_l * m.coat_distribution(sin2_h) * ggx_half_masking(constant<T>(kCoatMasking2), n_dot_l);
-            if (o.variant == mitsuba) coat = coat * T(4.f) * n_dot_l;
+            if (o.variant == mitsuba) coat = coat * T(2.f) * n_dot_l;
             w[3] = fma(coat, lerp(constant<T>(0.04), one, fh), w[3]);
         }
     }

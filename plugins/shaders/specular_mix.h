@@ -16,7 +16,7 @@ struct SpecularMix {
         "is exactly the density of that direction: with μ = l·rv, the sum over the roots s = (1−t)μ ± √((1−t)²μ² − (1−2t)) > 0 of "
         "max(0, n·d)·s²/(π·t²·abs(l·d)), d = (s·l − (1−t)·rv)/t. Its integral is 1. Below t = ½ it is a disk around the mirror direction, "
         "0 where μ < √(1−2t)/(1−t), brightest at its edge, where it has an integrable pole: abs(l·d) is taken to be at least 0.05, "
-        "which loses 1 %. Roughness 1 is Lambert, 0 a mirror: no highlight of sun, point and spot lights below roughness 0.01. Not "
+        "which loses 1 %, 3 % at grazing view. Roughness 1 is Lambert, 0 a mirror: no highlight of sun, point and spot lights below roughness 0.01. Not "
         "reciprocal; the albedo is at most mix(base_color, specular_color, p).";
 
     template <class T>

@@ -177,6 +177,21 @@ private:
     std::vector<std::int32_t> options_;
 };
 
+/// Width in the half angle, radians, of a model's narrowest lobe: what a quadrature or an error bound has to resolve.
+inline double narrowest_width(const Model& m) {
+    double width = 1;
+    const auto value = [&](std::string_view name) { return m.params()[static_cast<std::size_t>(m.parameter(name).slot)]; };
+    const auto square = [](double x) { return x * x; };
+    if (m.has("roughness")) width = std::min(width, square(value("roughness")));
+    if (m.has("width")) width = std::min(width, value("width"));
+    if (m.has("exponent")) width = std::min(width, std::sqrt(2 / (value("exponent") + 2)));
+    if (m.has("anisotropic")) width *= std::sqrt(1 - 0.9 * value("anisotropic"));
+    if (m.has("anisotropy")) width *= 1 - std::fabs(value("anisotropy"));
+    if (m.has("clearcoat_roughness") && value("clearcoat") > 0) width = std::min(width, square(value("clearcoat_roughness")));
+    if (m.has("clearcoat_gloss") && value("clearcoat") > 0) width = std::min(width, mix(0.1, 0.001, value("clearcoat_gloss")));
+    return std::max(width, m.info().name == "blender_principled" ? 3e-4 : 1e-3);
+}
+
 /// Uniform over the hemisphere, a share of them within a degree of the horizon or of the pole.
 inline V3 random_direction(std::mt19937& random) {
     std::uniform_real_distribution<double> uniform(0, 1);

@@ -27,7 +27,8 @@ RELUME_INLINE T eta_from_f0(T f0) {
 }
 
 /// The rise of the exact dielectric law from normal incidence (0) to grazing (1), which takes the place of Schlick's (1−x)⁵:
-/// (F(x) − F(1))/(1 − F(1)). Prepared once a pixel.
+/// (F(x) − F(1))/(1 − F(1)), not below 0: it never falls, but for eta > 3.7 (F0 > 33 %), of which no dielectric is. Prepared once
+/// a pixel.
 template <class T>
 struct DielectricRise {
     T eta, f0, scale;  // scale = 1/(1 − F(1))

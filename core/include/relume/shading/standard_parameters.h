@@ -75,7 +75,7 @@ constexpr Parameter sss_color(int slot) {
     return color("sss_color", slot, 0, 0, 0, "SSS color", "Strength and colour of a cheap stand-in for subsurface scattering, brightest with the light behind the viewer; 0 is off.");
 }
 constexpr Parameter sss_anisotropy(int slot) {
-    return scalar("sss_anisotropy", slot, 0.5, -0.99, 0.99, "SSS anisotropy", "Henyey–Greenstein's g of that scattering: 0 even, towards 1 peaked.", -0.9, 0.9);
+    return scalar("sss_anisotropy", slot, 0.5, -0.9, 0.9, "SSS anisotropy", "Henyey–Greenstein's g of that scattering: 0 even, towards 1 peaked.", -0.9, 0.9);
 }
 constexpr Parameter energy_conserving(int slot) {
     return boolean("energy_conserving", slot, true, "Energy conserving", "On: normalised, so that the albedo is base_color. Off: the plain textbook form, without 1/π and normalisation.");
