@@ -64,6 +64,7 @@ struct BlenderPrincipled {
         row::choice("generation", RELUME_OPTION(generation), 0, "3", "Generation", "Which Principled BSDF: 3 is that of Blender 2.8 to 3.6."),
     };
     static constexpr bool needs_tangent = true;
+    static constexpr int anisotropy_slot = RELUME_SLOT(anisotropic);
     static constexpr bool lit_from_below = false;
     static constexpr Lobe terms[] = {Lobe::diffuse, Lobe::diffuse, Lobe::specular, Lobe::specular};
 
@@ -110,7 +111,7 @@ struct BlenderPrincipled {
         out.rise = dielectric_rise(f0);
 
         out.anisotropic = saturate(p.anisotropic);
-        out.any_anisotropic = any(out.anisotropic > zero);
+        out.any_anisotropic = !g.isotropic && any(out.anisotropic > zero);
         if (out.any_anisotropic) {
             rotated_frame(g, p.anisotropic_rotation, out.tangent, out.bitangent);
             const T aspect = sqrt(fma(out.anisotropic, constant<T>(-0.9), one));

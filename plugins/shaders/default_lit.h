@@ -32,6 +32,7 @@ struct DefaultLit {
         row::roughness(RELUME_SLOT(roughness)),   row::anisotropy(RELUME_SLOT(anisotropy)), row::emission(RELUME_SLOT(emission)),
     };
     static constexpr bool needs_tangent = true;
+    static constexpr int anisotropy_slot = RELUME_SLOT(anisotropy);
     static constexpr bool lit_from_below = false;
     static constexpr bool scales_by_arriving = true;
     static constexpr Lobe terms[] = {Lobe::diffuse, Lobe::specular, Lobe::specular};
@@ -63,7 +64,7 @@ struct DefaultLit {
         T weight = alpha2 * constant<T>(0.5 * kInvPi);  // the numerators of D and V, which no light changes
         out.joint = joint_approximation(alpha, g.n_dot_v);
         out.anisotropy = clamp(p.anisotropy, -one, one);
-        out.any_anisotropic = any(out.anisotropy != T(0.f));
+        out.any_anisotropic = !g.isotropic && any(out.anisotropy != T(0.f));
         if (out.any_anisotropic) {
             tangent_frame(g, out.tangent, out.bitangent);
             const T least = constant<T>(kMinAlpha);

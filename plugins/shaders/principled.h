@@ -65,6 +65,7 @@ struct Principled {
         row::choice("variant", RELUME_OPTION(variant), 0, "burley|mitsuba", "Variant", "Whose principled: Burley's own or Mitsuba 3's."),
     };
     static constexpr bool needs_tangent = true;
+    static constexpr int anisotropy_slot = RELUME_SLOT(anisotropic);
     static constexpr bool lit_from_below = false;
     static constexpr Lobe terms[] = {Lobe::diffuse, Lobe::diffuse, Lobe::specular, Lobe::specular};
 
@@ -120,7 +121,7 @@ struct Principled {
         out.weight = constant<T>(kInvPi) * out.alpha2 * ggx_half_masking(out.alpha2, g.n_dot_v);
 
         out.anisotropic = saturate(p.anisotropic);
-        out.any_anisotropic = any(out.anisotropic > zero);
+        out.any_anisotropic = !g.isotropic && any(out.anisotropic > zero);
         if (out.any_anisotropic) {
             tangent_frame(g, out.tangent, out.bitangent);
             const T aspect = sqrt(fma(out.anisotropic, constant<T>(-0.9), one));

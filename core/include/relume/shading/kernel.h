@@ -198,7 +198,7 @@ RELUME_INLINE void put3(float* const (&planes)[3], int i, Color<T> value, const 
 }
 
 /// Pixels [i, i + kWidth) of the tile. Returns how many of the first `lanes` read NaN or infinity.
-template <class S, class T>
+template <class S, class T, bool kIsotropic>
 RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& sources, const typename S::Options& options, int i,
                               int mask_offset, int lanes) {
     const T zero(0.f), one(1.f);
@@ -223,6 +223,7 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& s
     const T n_dot_v = dot(g.n, g.v);
     poison = fma(n_dot_v, zero, poison);
     g.n_dot_v = clamp(n_dot_v, constant<T>(kMinCosine), one);
+    g.isotropic = kIsotropic;
     g.ambient_occlusion = one;
     if (tile.ambient_occlusion != nullptr) {
         g.ambient_occlusion = load<T>(tile.ambient_occlusion + i);
@@ -360,6 +361,10 @@ __attribute__((flatten)) static void shade_tile(ShaderTile* tile) {
     if constexpr (kOptionSlots<S> > 0) std::memcpy(&options, tile->options, sizeof options);
     const int whole = tile->count / kWidth<T> * kWidth<T>;
     const int rest = tile->count - whole;
+    // A model with anisotropy names its slot, and has a kernel without it for where it is 0 all over.
+    bool isotropic = true;
+    if constexpr (requires { S::anisotropy_slot; })
+        isotropic = tile->slots[S::anisotropy_slot] == nullptr && tile->constants[S::anisotropy_slot] == 0.f;
     std::int64_t nonfinite = 0;
 
     ShaderTile work = *tile;
@@ -385,8 +390,16 @@ __attribute__((flatten)) static void shade_tile(ShaderTile* tile) {
                 for (float*& plane : lobe) output(plane);
         }
         const int offset = pass == 0 ? 0 : whole;
-        for (int i = begin; i < end; i += kWidth<T>)
-            nonfinite += shade_batch<S, T>(work, sources, options, i, offset + i, pass == 0 ? kWidth<T> : rest);
+        const auto shade = [&](auto without_anisotropy) RELUME_INLINE_LAMBDA {
+            for (int i = begin; i < end; i += kWidth<T>)
+                nonfinite += shade_batch<S, T, without_anisotropy>(work, sources, options, i, offset + i, pass == 0 ? kWidth<T> : rest);
+        };
+        if constexpr (requires { S::anisotropy_slot; }) {
+            if (isotropic) shade(std::true_type{});
+            else shade(std::false_type{});
+        } else {
+            shade(std::true_type{});
+        }
     }
     if (rest > 0) {
         int used = 0;
@@ -417,6 +430,7 @@ static void evaluate_arrays(const ShaderEvaluation<T>* e) {
         const T n_dot_v = dot(g.n, g.v);
         g.n_dot_v = clamp(n_dot_v, constant<T>(kMinCosine), T(1));
         g.ambient_occlusion = T(1);
+        g.isotropic = false;
         g.tangent = splat(T(0));
         if (e->tangent[0] != nullptr) g.tangent = {e->tangent[0][i], e->tangent[1][i], e->tangent[2][i]};
         LightSample<T> s;

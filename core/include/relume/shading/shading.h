@@ -26,6 +26,8 @@ struct Geometry {
     Vec3<T> v;
     T n_dot_v;             ///< clamped to [1e-4, 1], for denominators
     T ambient_occlusion;
+    bool isotropic;        ///< the tile has no anisotropy at all: known when the kernel is compiled, so that what hangs on it is
+                           ///< left out of the loop (it cost a quarter of a single light's time in registers)
     Vec3<T> tangent;       ///< as given, neither unit nor orthogonal; 0 where there is none. Shaders with needs_tangent
                            ///< only, and through tangent_frame()
 };
