@@ -19,8 +19,9 @@ from measure import EDGE_BAR, MEDIAN_BAR, P99_BAR
 from rigs import committed
 from truth_scenes import Scene, own_scenes, shared_data, shared_scenes
 
-# Single precision against double on the same G-buffer, relative to the brightest channel.
-DOUBLE_MEDIAN_BAR, DOUBLE_P99_BAR = 1e-6, 1e-4
+# Single precision against double on the same G-buffer, relative to the brightest channel. At the rim of a spot's cone
+# the light is a small difference of two cosines, whose rounding it shows.
+DOUBLE_MEDIAN_BAR, DOUBLE_P99_BAR, DOUBLE_P99_BAR_SPOT = 1e-6, 1e-5, 2e-4
 
 
 def _cases(scenes: list[Scene], filters: tuple[str, ...] = ("point", "aa")) -> list:
@@ -40,7 +41,7 @@ def _check(result: Result) -> None:
     assert result.renderer.plain.p99 <= P99_BAR, result.renderer.plain
     assert result.double is not None
     assert result.double.median <= DOUBLE_MEDIAN_BAR, result.double
-    assert result.double.p99 <= DOUBLE_P99_BAR, result.double
+    assert result.double.p99 <= (DOUBLE_P99_BAR_SPOT if "spot" in result.case.lights else DOUBLE_P99_BAR), result.double
 
 
 @pytest.mark.parametrize("case", _cases(own_scenes()))
