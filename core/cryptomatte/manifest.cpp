@@ -195,7 +195,7 @@ std::vector<LayerInfo> layer_infos(const io::Header& header) {
             const auto split = key_and_field(attribute.name);
             const auto* text = std::get_if<std::string>(&attribute.value);
             if (!split || !text) continue;
-            const auto& [key, field] = *split;
+            const std::string &key = split->first, &field = split->second;
             auto layer = std::find_if(layers.begin(), layers.end(), [&](const LayerInfo& l) { return l.key == key; });
             if (layer == layers.end()) layer = layers.insert(layers.end(), LayerInfo{key, {}, {}, {}});
             if (field == "name") layer->name = *text;
