@@ -11,11 +11,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-import OpenEXR  # noqa: I001
-import relume
-import OpenImageIO as oiio  # noqa: N813
-
 import numpy as np
+
+import OpenEXR  # isort: skip
+import relume  # isort: skip
+import OpenImageIO as oiio  # noqa: N813  # isort: skip
+
 
 
 def beauty_by_openexr(path: Path) -> np.ndarray:
@@ -51,7 +52,9 @@ def main() -> None:
         np.testing.assert_allclose(beauty, result, rtol=1e-3, atol=1e-4)  # half floats in the file
 
     program = Path(sys.executable).with_name("relume")
-    subprocess.run([program, "relight", scene, "--rig", "sdf", "-o", "again.exr"], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(
+        [program, "relight", scene, "--rig", "sdf", "-o", "again.exr"], check=True, stdout=subprocess.DEVNULL
+    )
     assert np.array_equal(beauty_by_oiio(Path("again.exr")), beauty_by_oiio(relit))
     subprocess.run([program, "doctor"], check=True)
 
