@@ -49,6 +49,10 @@ std::optional<std::vector<std::string>> as_texts(const Value& value) {
     return std::nullopt;
 }
 
+bool takes_channel(const Parameter& row) {
+    return row.slot >= 0 && (row.type == ParameterType::scalar || row.type == ParameterType::color || row.type == ParameterType::vector);
+}
+
 class Check {
 public:
     Check(const Parameter& row, const Value& value, std::string_view what) : row_(row), value_(value), what_(what) {}
@@ -56,7 +60,10 @@ public:
     std::string name() const { return what_ + ": " + std::string(row_.name); }
 
     [[noreturn]] void wrong_type() const {
-        throw Problem(Problem::Cause::type, name() + " takes " + expectation(row_) + ", not " + describe(value_));
+        const auto* text = std::get_if<std::string>(&value_);
+        const bool channel = text != nullptr && takes_channel(row_);
+        throw Problem(Problem::Cause::type, name() + " takes " + expectation(row_) + ", not " + describe(value_),
+                      channel ? "; a channel is written { channel = " + string_text(*text) + " }" : "");
     }
 
     void range(double number) const {
@@ -94,8 +101,7 @@ std::string choice_of(const Parameter& row, const std::string& word, const Check
 Value canonical(const Parameter& row, const Value& value, std::string_view what) {
     const Check check(row, value, what);
     if (const auto* channel = std::get_if<ChannelRef>(&value)) {
-        const bool numeric = row.type == ParameterType::scalar || row.type == ParameterType::color || row.type == ParameterType::vector;
-        if (row.slot < 0 || !numeric) check.wrong_type();
+        if (!takes_channel(row)) check.wrong_type();
         if (channel->channel.empty()) throw Problem(Problem::Cause::range, check.name() + ": the channel's name is empty");
         if (!std::isfinite(channel->scale) || !std::isfinite(channel->offset))
             throw Problem(Problem::Cause::range, check.name() + ": scale and offset must be finite");

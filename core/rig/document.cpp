@@ -158,9 +158,38 @@ std::uint32_t broken_line(std::string_view text) {
     return static_cast<std::uint32_t>(first - ends.begin()) + 1;
 }
 
+std::string_view trimmed(std::string_view text) {
+    const auto first = text.find_first_not_of(" \t\r\n");
+    const auto last = text.find_last_not_of(" \t\r\n");
+    return first == std::string_view::npos ? std::string_view{} : text.substr(first, last - first + 1);
+}
+
+std::string_view line_of(std::string_view text, std::uint32_t line) {
+    for (; line > 1; --line) text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+    return trimmed(text.substr(0, text.find('\n')));
+}
+
+bool is_word(std::string_view text) {
+    const auto in_word = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-'; };
+    return !text.empty() && !(text[0] >= '0' && text[0] <= '9') && text[0] != '-' && std::all_of(text.begin(), text.end(), in_word);
+}
+
+/// The line of a syntax error, and what is often meant by it.
+std::string shown_line(std::string_view line) {
+    const std::size_t equals = line.find('=');
+    const std::string_view value = equals == std::string_view::npos ? std::string_view{} : trimmed(line.substr(equals + 1, line.find('#') - equals - 1));
+    std::string hint;
+    if (value == "True" || value == "False" || value == "yes" || value == "no" || value == "on" || value == "off")
+        hint = "; write true or false";
+    else if (value != "true" && value != "false" && is_word(value)) hint = "; a string stands in quotes: " + string_text(value);
+    return line.empty() ? hint : ", in " + in_quotes(line) + hint;
+}
+
 /// toml++'s words without what names toml++ itself.
 std::string plain(std::string_view description) {
     std::string text(description.substr(0, description.find(" (TOML_MAX")));
+    constexpr std::string_view kStart = "Error while ";
+    if (text.starts_with(kStart)) text.erase(0, kStart.size());
     if (text.empty()) return text;
     if (text[0] >= 'A' && text[0] <= 'Z') text[0] = static_cast<char>(text[0] + 32);
     for (char& c : text)
@@ -194,14 +223,13 @@ Node::Table parse(const Source& source) {
         if (const auto table = parsed(source.text, source.name)) return convert_table(*table, 0);
         throw Error(ErrorKind::rig, "not valid TOML at " + source.place({broken_line(source.text), 1}));
     } catch (const toml::parse_error& error) {
-        throw Error(ErrorKind::rig, "not valid TOML at " + source.place(place_of(error.source())) + ": " + plain(error.description()));
+        throw Error(ErrorKind::rig, "not valid TOML at " + source.place(place_of(error.source())) + ": " + plain(error.description()) +
+                                        shown_line(line_of(source.text, error.source().begin.line)));
     }
 }
 
 Node parse_value(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t\r\n");
-    const auto last = text.find_last_not_of(" \t\r\n");
-    const std::string word(first == std::string_view::npos ? std::string_view{} : text.substr(first, last - first + 1));
+    const std::string word(trimmed(text));
     const Node bare{{}, Value(word)};
     // One value on one line; a second line could bring keys of its own.
     const bool one_line = word.find('\n') == std::string::npos;

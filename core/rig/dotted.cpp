@@ -18,7 +18,7 @@ using rigfile::in_quotes;
 constexpr std::string_view kSections[] = {"gbuffer", "camera", "light", "shader", "output"};
 
 [[noreturn]] void refuse_path(std::string_view dotted, const std::string& why) {
-    throw Problem(Problem::Cause::name, "'" + std::string(dotted) + "' " + why);
+    throw Problem(Problem::Cause::name, in_quotes(dotted) + " " + why);
 }
 
 /// The parts of "light.\"a.b\".exposure"; quotes are single or double, without escapes.
@@ -112,12 +112,12 @@ public:
         else if (section == "shader") set_shader();
         else if (section == "output") set_output();
         else if (section == "version" || section == "include") refuse_path(dotted_, "cannot be set; it belongs to the file");
-        else throw Problem(Problem::Cause::name, "unknown section " + in_quotes(section) + " in '" + std::string(dotted_) + "'", rigfile::suggestion(section, kSections));
+        else throw Problem(Problem::Cause::name, "unknown section " + in_quotes(section) + " in " + in_quotes(dotted_), rigfile::suggestion(section, kSections));
     }
 
 private:
     Value value(std::span<const Parameter> table, const std::string& name) const {
-        return for_row(rigfile::find_row(table, name), node_, text_, dotted_);
+        return for_row(rigfile::find_row(table, name), node_, text_, in_quotes(dotted_));
     }
 
     void set_gbuffer() {
@@ -132,7 +132,7 @@ private:
             ChannelRule rule;
             if (const auto* table = node_.table()) {
                 for (const rigfile::Entry& entry : table->entries)
-                    rigfile::set_channel_rule(rule, entry.key, for_row(nullptr, entry.node, {}, dotted_), what);
+                    rigfile::set_channel_rule(rule, entry.key, for_row(nullptr, entry.node, {}, in_quotes(dotted_)), what);
             } else {
                 rigfile::set_channel_rule(rule, "channel", value(channel_rule_parameters(), "channel"), what);
             }
@@ -156,12 +156,12 @@ private:
         Light& light = rig_.lights[light_index(rig_, parts_[1])];
         const std::string& key = parts_[2];
         if (key == "name") {
-            const std::string name = as_text(value(light_key_parameters(), key), dotted_);
+            const std::string name = as_text(value(light_key_parameters(), key), in_quotes(dotted_));
             const Light* other = rig_.light(name);
             if (other != nullptr && other != &light) throw Problem(Problem::Cause::name, "the rig has a light " + in_quotes(name) + " already");
             light.name = name;
         } else if (key == "type") {
-            rigfile::set_light_type(light, as_text(value(light_key_parameters(), key), dotted_));
+            rigfile::set_light_type(light, as_text(value(light_key_parameters(), key), in_quotes(dotted_)));
         } else {
             const LightType* type = find_light_type(light.type);
             rigfile::set_light(light, key, value(type == nullptr ? std::span<const Parameter>{} : type->parameters, key));
@@ -174,12 +174,12 @@ private:
         ShaderUse shader = rig_.shaders.empty() ? default_shader() : rig_.shaders[index];
         const std::string& key = parts_[2];
         if (key == "use") {
-            rigfile::set_shader_use(shader, as_text(value(shader_key_parameters(), key), dotted_));
+            rigfile::set_shader_use(shader, as_text(value(shader_key_parameters(), key), in_quotes(dotted_)));
         } else if (const auto* table = node_.table()) {
             const std::string what = rigfile::shader_label(shader) + ": " + key;
             ParameterValues values;
             for (const rigfile::Entry& entry : table->entries)
-                values.set(channel_ref_parameters(), entry.key, for_row(nullptr, entry.node, {}, dotted_), what);
+                values.set(channel_ref_parameters(), entry.key, for_row(nullptr, entry.node, {}, in_quotes(dotted_)), what);
             rigfile::set_shader(shader, key, rigfile::channel_ref(values, what));
         } else {
             const bool match = rigfile::find_row(shader_key_parameters(), key) != nullptr;
@@ -260,7 +260,7 @@ Found find(const Rig& rig, const std::vector<std::string>& parts, std::string_vi
         require_parts(parts, 2, dotted, "output.KEY");
         return find_value(output_parameters(), rig.output.values, parts[1], "[output]");
     }
-    throw Problem(Problem::Cause::name, "unknown section " + in_quotes(section) + " in '" + std::string(dotted) + "'", rigfile::suggestion(section, kSections));
+    throw Problem(Problem::Cause::name, "unknown section " + in_quotes(section) + " in " + in_quotes(dotted), rigfile::suggestion(section, kSections));
 }
 
 /// The default as a value; absent rows have none.

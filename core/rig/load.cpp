@@ -172,7 +172,7 @@ private:
         const std::string what = "channel " + in_quotes(entry.key);
         ChannelRule rule;
         try {
-            require_channel_name(entry.key);
+            require_channel_name(entry.key, std::get_if<Value>(&entry.node.data));
         } catch (const Problem& problem) {
             throw problem.at(source.place(entry.at));
         }

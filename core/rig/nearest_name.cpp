@@ -42,6 +42,16 @@ bool begins_with(std::string_view word, std::string_view start) {
            std::equal(start.begin(), start.end(), word.begin(), [](char a, char b) { return folded(a) == folded(b); });
 }
 
+/// Whether one of the words that make up a name, as "angle" of "cone_angle".
+bool has_part(std::string_view name, std::string_view word) {
+    for (std::size_t at = 0; at <= name.size();) {
+        const std::size_t end = std::min(name.find('_', at), name.size());
+        if (end - at == word.size() && begins_with(name.substr(at), word)) return true;
+        at = end + 1;
+    }
+    return false;
+}
+
 }  // namespace
 
 std::string nearest_name(std::string_view word, std::span<const std::string_view> candidates) {
@@ -52,8 +62,10 @@ std::string nearest_name(std::string_view word, std::span<const std::string_view
         if (candidate.size() > kLongestWord) continue;
         const std::size_t allowed = 1 + std::max(word.size(), candidate.size()) / 4;
         std::size_t distance = edit_distance(word, candidate);
-        // "rough" for roughness: a start of three letters or more is as good as the last distance that still counts.
-        const bool start = word.size() >= 3 && candidate.size() >= 3 && (begins_with(candidate, word) || begins_with(word, candidate));
+        // "rough" for roughness, "angle" for cone_angle: a start or a part of three letters or more is as good as the last
+        // distance that still counts.
+        const bool start = word.size() >= 3 && candidate.size() >= 3 &&
+                           (begins_with(candidate, word) || begins_with(word, candidate) || has_part(candidate, word));
         if (start) distance = std::min(distance, allowed);
         // A word of which every letter is wrong is near to nothing.
         if (distance > allowed || distance >= std::max(word.size(), candidate.size())) continue;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "relume/light.h"
 
@@ -16,6 +17,19 @@ constexpr std::string_view kStrength[] = {"intensity", "power", "radiance"};
 
 /// Light types that rigs may name and this version does not shade.
 constexpr std::string_view kLaterLights[] = {"rect", "disk", "sphere", "environment"};
+
+/// What other programs call them.
+constexpr std::pair<std::string_view, std::string_view> kOtherLightNames[] = {
+    {"directional", "sun"}, {"distant", "sun"}, {"omni", "point"}, {"dome", "sky"}, {"hemi", "sky"}, {"hemisphere", "sky"}, {"area", "rect"}};
+constexpr std::string_view kOtherStrengthNames[] = {"intensity", "power", "radiance", "irradiance", "strength", "energy", "brightness"};
+
+/// "irradiance", "intensity or power": how the type says how bright it is.
+std::string strength_of(const LightType& type) {
+    std::string out;
+    for (const std::string_view name : {"irradiance", "intensity", "power", "radiance", "sky_color"})
+        if (find_row(type.parameters, name) != nullptr) out += (out.empty() ? "" : " or ") + std::string(name);
+    return out;
+}
 
 /// The mistakes that a matrix is given with: columns for rows, or all of it flat.
 void check_matrix(const Value& value) {
@@ -66,6 +80,8 @@ Value listed(const Value& value) {
 }  // namespace
 
 void set_gbuffer(Rig& rig, std::string_view name, const Value& value) {
+    if (const auto names = channel_names(); find_row(gbuffer_parameters(), name) == nullptr && std::find(names.begin(), names.end(), name) != names.end())
+        throw Problem(Problem::Cause::name, "unknown key " + in_quotes(name) + " in [gbuffer]", "; channels stand under [gbuffer.channels]");
     set_member(gbuffer_parameters(), name, value, "[gbuffer]", [&](auto visit) { for_each_gbuffer_member(rig, visit); });
 }
 
@@ -105,6 +121,10 @@ std::string light_label(const Light& light) { return "light " + in_quotes(light.
 
 void set_light(Light& light, std::string_view name, const Value& value) {
     const LightType* type = find_light_type(light.type);
+    const bool strength = std::find(std::begin(kOtherStrengthNames), std::end(kOtherStrengthNames), name) != std::end(kOtherStrengthNames);
+    if (strength && find_row(type->parameters, name) == nullptr)
+        throw Problem(Problem::Cause::name, "unknown key " + in_quotes(name) + " in " + light_label(light),
+                      "; a " + light.type + " light has " + strength_of(*type));
     light.values.set(type->parameters, name, value, light_label(light));
     if (std::find(std::begin(kStrength), std::end(kStrength), name) == std::end(kStrength)) return;
     for (const std::string_view other : kStrength)
@@ -116,11 +136,12 @@ void set_light_type(Light& light, std::string_view type_name) {
     if (type == nullptr) {
         std::vector<std::string_view> names;
         for (const LightType& t : light_types()) names.push_back(t.name);
-        const std::string message = light_label(light) + " has the unknown type " + in_quotes(type_name);
-        if (std::find(std::begin(kLaterLights), std::end(kLaterLights), type_name) != std::end(kLaterLights))
+        const auto other = std::find_if(std::begin(kOtherLightNames), std::end(kOtherLightNames), [&](const auto& n) { return n.first == type_name; });
+        const std::string_view meant = other == std::end(kOtherLightNames) ? type_name : other->second;
+        if (std::find(std::begin(kLaterLights), std::end(kLaterLights), meant) != std::end(kLaterLights))
             throw Problem(Problem::Cause::name, light_label(light) + " is of type " + in_quotes(type_name) + ", which this version of relume does not have",
                           suggestion({}, names));
-        throw Problem(Problem::Cause::name, message, suggestion(type_name, names));
+        throw Problem(Problem::Cause::name, light_label(light) + " has the unknown type " + in_quotes(type_name), suggestion(meant, names));
     }
     ParameterValues kept;
     const LightType* before = find_light_type(light.type);
@@ -190,10 +211,15 @@ void set_output(Output& output, std::string_view name, const Value& value) {
     output.values.set(output_parameters(), name, value, "[output]");
 }
 
-void require_channel_name(std::string_view name) {
+void require_channel_name(std::string_view name, const Value* source) {
     const auto names = channel_names();
     if (std::find(names.begin(), names.end(), name) != names.end()) return;
     const std::string near = nearest_name(name, names);
+    // N = "normal", the wrong way round.
+    const auto* text = source == nullptr ? nullptr : std::get_if<std::string>(source);
+    if (text != nullptr && std::find(names.begin(), names.end(), *text) != names.end())
+        throw Problem(Problem::Cause::name, "unknown channel " + in_quotes(name) + " in [gbuffer.channels]",
+                      "; what it is stands first: " + *text + " = " + string_text(name));
     throw Problem(Problem::Cause::name, "unknown channel " + in_quotes(name) + " in [gbuffer.channels]",
                   near.empty() ? "; it names a semantic channel (normal, base_color, depth, …) or a parameter of a shader"
                                : "; did you mean '" + near + "'?");

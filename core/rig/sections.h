@@ -125,8 +125,8 @@ ChannelRef channel_ref(const ParameterValues& values, const std::string& what);
 /// A key of [output]. Throws Problem.
 void set_output(Output& output, std::string_view name, const Value& value);
 
-/// Throws Problem(name) when [gbuffer.channels] knows no such name.
-void require_channel_name(std::string_view name);
+/// Throws Problem(name) when [gbuffer.channels] knows no such name. `source`, what it was given, is for the hint.
+void require_channel_name(std::string_view name, const Value* source = nullptr);
 
 /// Whether a channel's source is a file by its ending (.exr, .png, …), not a channel's name.
 bool names_a_file(std::string_view source);

@@ -93,6 +93,19 @@ TEST(RigMistakes, Types) {
     EXPECT_EQ(in_shader("object_id = [1, 1.5]"), "shader 'ggx': object_id holds 1.5 at key.relume:3:1; IDs are whole numbers");
 }
 
+TEST(RigMistakes, WhatIsOftenMeant) {
+    EXPECT_EQ(in_light("strength = 3"), "unknown key 'strength' in light 'key' at key.relume:4:1; a sun light has irradiance");
+    EXPECT_EQ(refusal("[[light]]\ntype = 'spot'\nposition = [0, 0, 0]\nenergy = 3\n"),
+              "unknown key 'energy' in light 'spot' at key.relume:4:1; a spot light has intensity or power");
+    EXPECT_EQ(refusal("[[light]]\ntype = 'spot'\nangle = 3\n"), "unknown key 'angle' in light 'spot' at key.relume:3:1; did you mean 'cone_angle'?");
+    EXPECT_EQ(refusal("[[light]]\ntype = 'directional'\n"), "light 'directional' has the unknown type 'directional' at key.relume:2:1; did you mean 'sun'?");
+    EXPECT_EQ(in_shader("roughness = 'coat.X'"),
+              "shader 'ggx': roughness takes a number, not the string 'coat.X' at key.relume:3:1; a channel is written { channel = \"coat.X\" }");
+    EXPECT_EQ(refusal("[gbuffer]\nnormal = 'N'\n"), "unknown key 'normal' in [gbuffer] at key.relume:2:1; channels stand under [gbuffer.channels]");
+    EXPECT_EQ(refusal("[gbuffer.channels]\nN = 'normal'\n"),
+              "unknown channel 'N' in [gbuffer.channels] at key.relume:2:1; what it is stands first: normal = \"N\"");
+}
+
 TEST(RigMistakes, Ranges) {
     EXPECT_EQ(in_light("irradiance = -1", ErrorKind::parameter), "light 'key': irradiance is -1 at key.relume:4:1; it must be at least 0 W/m²");
     EXPECT_EQ(in_light("exposure = inf", ErrorKind::parameter), "light 'key': exposure is inf at key.relume:4:1; it must be finite");
@@ -116,8 +129,11 @@ TEST(RigMistakes, Cameras) {
 }
 
 TEST(RigMistakes, Syntax) {
-    EXPECT_EQ(refusal("version = 1\nlight = = 3\n").substr(0, 37), "not valid TOML at key.relume:2:9: err");
-    EXPECT_EQ(refusal("[output]\ntype = half\n").substr(0, 33), "not valid TOML at key.relume:2:8:");
+    EXPECT_EQ(refusal("version = 1\nlight = = 3\n"), "not valid TOML at key.relume:2:9: parsing value: could not determine value type, in 'light = = 3'");
+    EXPECT_EQ(refusal("[output]\n  type = half  # of the precision\n"),
+              "not valid TOML at key.relume:2:10: parsing value: could not determine value type, in 'type = half  # of the precision'; "
+              "a string stands in quotes: \"half\"");
+    EXPECT_EQ(in_light("enabled = True"), "not valid TOML at key.relume:4:11: parsing boolean: expected 'true', saw 'T', in 'enabled = True'; write true or false");
     EXPECT_EQ(refusal("[output]\ntype = 'half'\ntype = 'half'\n").substr(0, 32), "not valid TOML at key.relume:3:8");
     EXPECT_EQ(refusal("a = 'x").substr(0, 30), "not valid TOML at key.relume:1");
     EXPECT_EQ(refusal("version = 1\n\n[ . ]\ny = 2\n"), "not valid TOML at key.relume:3:1");
@@ -139,7 +155,7 @@ TEST(RigMistakes, DeepNestsAndLongKeysAreRefusedNotSuffered) {
         for (int k = 0; k < count; ++k) out += piece;
         return out;
     };
-    constexpr int kMany = 1'000'000;
+    constexpr int kMany = 300'000;
     for (const std::string& text : {"a = " + repeat("[", kMany), "a = " + repeat("{a=", kMany), "a" + repeat(".a", kMany) + " = 1", "[a" + repeat(".a", kMany) + "]",
                                     "[[a" + repeat(" . a", kMany) + "]]", "a = { b" + repeat(".\"c\"", kMany) + " = 1 }", "x = \"\"\"\"\"\"\"\na" + repeat(".a", kMany) + " = 1",
                                     "x = '''a.b''\n'''''\na" + repeat(".'q'", kMany) + " = 1", repeat("[[light]]\n", 100000)})

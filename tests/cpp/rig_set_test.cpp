@@ -149,6 +149,7 @@ TEST(RigSet, MistakesOfForm) {
     EXPECT_EQ(refusal("light", "1"), "'light' is not a key; write light.NAME.KEY");
     EXPECT_EQ(refusal("output.type.x", "1"), "'output.type.x' is not a key; write output.KEY");
     EXPECT_EQ(refusal("version", "1"), "'version' cannot be set; it belongs to the file");
+    EXPECT_EQ(refusal("a\nb", "[\"x\"]"), "unknown section 'a\\nb' in 'a\\nb'; there are gbuffer, camera, light, shader, output");
     for (const char* path : {"", ".", "light.", ".light", "light..exposure", "light.\"key.exposure", "light.\"key\"x.exposure", "light.key.exposure.more", "gbuffer.channels",
                              "gbuffer.channels.normal.encoding.x"})
         EXPECT_NE(refusal(path, "1"), "accepted") << path;

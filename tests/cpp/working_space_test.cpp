@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <sstream>
+#include <string>
 
 #include "relume/error.h"
 #include "relume/working_space.h"
@@ -80,6 +83,22 @@ TEST(WorkingSpace, NamesThatProgramsUse) {
             EXPECT_EQ(find_working_space(rest.substr(0, bar)), &space) << rest.substr(0, bar);
             rest = bar == rest.size() ? std::string_view{} : rest.substr(bar + 1);
         }
+}
+
+TEST(WorkingSpace, TheManualNamesEachAndItsAliases) {
+    std::ifstream file(std::string(RELUME_SOURCE_DIR) + "/docs/color.md");
+    std::size_t known = 0;
+    for (std::string line; std::getline(file, line);) {
+        if (!line.starts_with("| `lin_")) continue;
+        const std::size_t end = line.find('`', 3);
+        const WorkingSpace* space = find_working_space(line.substr(3, end - 3));
+        ASSERT_NE(space, nullptr) << line;
+        EXPECT_EQ(space, &working_spaces()[known++]) << line;
+        std::istringstream aliases(line.substr(line.rfind("| ", line.size() - 2) + 2));
+        for (std::string alias; std::getline(aliases, alias, ',');)
+            EXPECT_EQ(find_working_space(alias.substr(0, alias.find(" |"))), space) << alias;
+    }
+    EXPECT_EQ(known, working_spaces().size());
 }
 
 TEST(WorkingSpace, ByChromaticities) {
