@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs in the clean environment into which the wheel was installed, beside PyPI's OpenEXR and OpenImageIO.
 
-All three are in this one process and each carries an OpenEXR of its own, so this crashes where symbols leak. Imports come
-first and last: whichever library was loaded earlier would win.
+All three are in this one process and each carries an OpenEXR of its own, so this crashes where symbols leak. Relume is
+imported between the other two: whichever library was loaded earlier would win.
 """
 
 from __future__ import annotations
@@ -16,7 +16,6 @@ import numpy as np
 import OpenEXR  # isort: skip
 import relume  # isort: skip
 import OpenImageIO as oiio  # noqa: N813  # isort: skip
-
 
 
 def beauty_by_openexr(path: Path) -> np.ndarray:
