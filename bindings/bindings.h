@@ -16,6 +16,7 @@ void bind_rig(py::module_& module);
 void bind_gbuffer(py::module_& module);
 void bind_relight(py::module_& module);
 void bind_exr(py::module_& module);
+void bind_display(py::module_& module);
 void bind_scenes(py::module_& module);
 
 }  // namespace relume::python

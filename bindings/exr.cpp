@@ -61,8 +61,7 @@ int channel_index(const ExrReader& reader, const Part& part, const std::string& 
 }
 
 /// (H, W, C) of the named channels over the part's data window, T = float or std::uint32_t.
-template <class T>
-py::array_t<T> read(const ExrReader& reader, int part_index, const std::vector<std::string>& names) {
+template <class T> py::array_t<T> read(const ExrReader& reader, int part_index, const std::vector<std::string>& names) {
     const auto& parts = reader.header().parts;
     if (part_index < 0 || part_index >= static_cast<int>(parts.size()))
         throw Error(ErrorKind::value, reader.path().string() + ": no part " + std::to_string(part_index));
@@ -90,8 +89,7 @@ py::array_t<T> read(const ExrReader& reader, int part_index, const std::vector<s
         try {
             for (int row = next.fetch_add(step); row < window.height && !failed; row = next.fetch_add(step)) {
                 auto band = targets;
-                for (auto& target : band)
-                    target.plane.data += row * y_stride;
+                for (auto& target : band) target.plane.data += row * y_stride;
                 reader.read({window.x, window.y + row, window.width, std::min(step, window.height - row)}, band);
             }
         } catch (...) {
@@ -130,8 +128,7 @@ void bind_exr(py::module_& module) {
             "channels",
             [](const Part& p) {
                 std::vector<std::pair<std::string, std::string>> list;
-                for (const io::Channel& channel : p.channels)
-                    list.emplace_back(channel.name, name_of(channel.type));
+                for (const io::Channel& channel : p.channels) list.emplace_back(channel.name, name_of(channel.type));
                 return list;
             },
             "Names and numpy types, in the file's order.")

@@ -46,8 +46,7 @@ GBuffer from_arrays(const std::map<std::string, py::array>& arrays, const Rig& r
 }
 
 /// (H, W, C) in canonical form; T is float, or std::uint32_t for IDs.
-template <class T>
-py::array_t<T> pixels(const GBuffer& gbuffer, const ChannelRequest& request) {
+template <class T> py::array_t<T> pixels(const GBuffer& gbuffer, const ChannelRequest& request) {
     const Window window = gbuffer.data_window();
     const int components = request.components;
     py::array_t<T> result({py::ssize_t{window.height}, py::ssize_t{window.width}, py::ssize_t{components}});
@@ -117,11 +116,11 @@ py::tuple window_tuple(const Window& w) { return py::make_tuple(w.x, w.y, w.widt
 void bind_gbuffer(py::module_& module) {
     using Triple = py::typing::Tuple<double, double, double>;
     using WindowTuple = py::typing::Tuple<int, int, int, int>;
-    py::class_<Camera>(
-        module, "Camera",
-        "The camera of a G-buffer: camera space has +X right, +Y up, and looks down −Z. For the pixel in column i and "
-        "row j, X = (i + ½)·x_scale + x_offset and Y = (j + ½)·y_scale + y_offset; a perspective ray leaves the origin "
-        "towards (X, Y, −1), an orthographic one (X, Y, 0) towards (0, 0, −1).")
+    py::class_<Camera>(module, "Camera",
+                       "The camera of a G-buffer: camera space has +X right, +Y up, and looks down −Z.\n\n"
+                       "For the pixel in column i and row j, X = (i + ½)·x_scale + x_offset and\n"
+                       "Y = (j + ½)·y_scale + y_offset; a perspective ray leaves the origin towards (X, Y, −1),\n"
+                       "an orthographic one (X, Y, 0) towards (0, 0, −1).")
         .def_property_readonly(
             "projection",
             [](const Camera& c) { return c.projection == Projection::perspective ? "perspective" : "orthographic"; },

@@ -21,6 +21,7 @@ PYBIND11_MODULE(_relume, module) {
     bind_gbuffer(module);
     bind_relight(module);
     bind_exr(module);
+    bind_display(module);
     bind_scenes(module);
 
     module.def(
@@ -43,7 +44,8 @@ PYBIND11_MODULE(_relume, module) {
         "is_pattern", [](const std::string& name) { return relume::is_pattern(name); }, py::arg("name"),
         "Whether the name has a place for the frame number: ####, %04d or {frame}.");
     module.def(
-        "resolve_frame", [](const std::string& pattern, std::int64_t frame) { return relume::resolve_frame(pattern, frame); },
+        "resolve_frame",
+        [](const std::string& pattern, std::int64_t frame) { return relume::resolve_frame(pattern, frame); },
         py::arg("pattern"), py::arg("frame"), "The name of one frame.");
     module.def(
         "parse_frames", [](const std::string& text) { return relume::parse_frames(text); }, py::arg("text"),

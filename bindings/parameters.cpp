@@ -66,16 +66,14 @@ py::object default_of(const Parameter& p) {
             return py::cast(split(p.text));
         case ParameterType::number_list: {
             py::list list;
-            for (int k = 0; k < p.count && k < 3; ++k)
-                list.append(p.value[static_cast<std::size_t>(k)]);
+            for (int k = 0; k < p.count && k < 3; ++k) list.append(p.value[static_cast<std::size_t>(k)]);
             return list;
         }
     }
     return py::none();
 }
 
-template <std::string_view Parameter::*member>
-std::string text_of(const Parameter& p) {
+template <std::string_view Parameter::*member> std::string text_of(const Parameter& p) {
     return std::string(p.*member);
 }
 
@@ -83,8 +81,7 @@ std::string text_of(const Parameter& p) {
 
 py::tuple parameter_tuple(std::span<const Parameter> table) {
     py::tuple rows(table.size());
-    for (std::size_t i = 0; i < table.size(); ++i)
-        rows[i] = py::cast(table[i]);
+    for (std::size_t i = 0; i < table.size(); ++i) rows[i] = py::cast(table[i]);
     return rows;
 }
 

@@ -18,8 +18,8 @@ namespace relume::python {
 
 namespace {
 
-// Keys and values pass through Rig::set and Rig::get, which check them against the tables; what is here adds and removes
-// the things that the keys belong to.
+// Keys and values pass through Rig::set and Rig::get, which check them against the tables; what is here adds and
+// removes the things that the keys belong to.
 
 [[noreturn]] void refuse(const std::string& message) { throw Error(ErrorKind::parameter, message); }
 
@@ -71,7 +71,8 @@ void bind_rig(py::module_& module) {
         .def_static(
             "loads", [](const std::string& text, const std::string& name) { return Rig::loads(text, name); },
             py::arg("text"), py::arg("name"))
-        .def_static("builtin", [](const std::string& name) { return Rig::builtin(name); }, py::arg("name"))
+        .def_static(
+            "builtin", [](const std::string& name) { return Rig::builtin(name); }, py::arg("name"))
         .def_readwrite("path", &Rig::path)
         .def(
             "set", [](Rig& rig, const std::string& key, const std::string& value) { rig.set(key, value); },
@@ -153,7 +154,9 @@ void bind_rig(py::module_& module) {
             py::arg("name"), "Keys that are not left to their defaults.")
         .def(
             "light_unset",
-            [](Rig& rig, const std::string& name, const std::string& key) { require_light(rig, name).values.unset(key); },
+            [](Rig& rig, const std::string& name, const std::string& key) {
+                require_light(rig, name).values.unset(key);
+            },
             py::arg("name"), py::arg("key"))
 
         .def("shader_uses",
@@ -181,16 +184,27 @@ void bind_rig(py::module_& module) {
             },
             py::arg("index"))
         .def(
-            "shader_given",
-            [](Rig& rig, std::size_t index) { return given(require_shader_use(rig, index).values); }, py::arg("index"))
+            "shader_given", [](Rig& rig, std::size_t index) { return given(require_shader_use(rig, index).values); },
+            py::arg("index"))
         .def(
             "shader_unset",
-            [](Rig& rig, std::size_t index, const std::string& key) { require_shader_use(rig, index).values.unset(key); },
+            [](Rig& rig, std::size_t index, const std::string& key) {
+                require_shader_use(rig, index).values.unset(key);
+            },
             py::arg("index"), py::arg("key"))
 
         .def("output_given", [](const Rig& rig) { return given(rig.output.values); })
         .def(
             "output_unset", [](Rig& rig, const std::string& key) { rig.output.values.unset(key); }, py::arg("key"));
+
+    module.def(
+        "builtin_rigs",
+        [] {
+            std::vector<std::string> names;
+            for (const BuiltinRig& rig : builtin_rigs()) names.emplace_back(rig.name);
+            return names;
+        },
+        "Names of the built-in rigs.");
 }
 
 }  // namespace relume::python

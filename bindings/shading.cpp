@@ -17,26 +17,20 @@ namespace relume::python {
 
 namespace {
 
-template <class T>
-using Array = py::array_t<T, py::array::c_style>;
+template <class T> using Array = py::array_t<T, py::array::c_style>;
 
-template <class T>
-void run(const ShaderInfo& shader, const ShaderEvaluation<T>& evaluation) {
-    if constexpr (std::is_same_v<T, float>)
-        shader.abi->evaluate_float(&evaluation);
-    else
-        shader.abi->evaluate_double(&evaluation);
+template <class T> void run(const ShaderInfo& shader, const ShaderEvaluation<T>& evaluation) {
+    if constexpr (std::is_same_v<T, float>) shader.abi->evaluate_float(&evaluation);
+    else shader.abi->evaluate_double(&evaluation);
 }
 
 /// A column of the inputs: `count` values, or one that stands for all.
-template <class T>
-struct Column {
+template <class T> struct Column {
     const T* data = nullptr;
     bool constant = false;
 };
 
-template <class T>
-Column<T> column_of(const Array<T>& array, py::ssize_t count) {
+template <class T> Column<T> column_of(const Array<T>& array, py::ssize_t count) {
     if (array.ndim() != 1 || (array.shape(0) != count && array.shape(0) != 1))
         throw Error(ErrorKind::value, "evaluate: every array must have one value, or one for each of the " +
                                           std::to_string(count) + " samples");
@@ -55,10 +49,8 @@ py::array_t<T> evaluate(const ShaderInfo& shader, py::ssize_t count, const std::
         throw Error(ErrorKind::value, "evaluate: wrong number of columns for '" + std::string(shader.name) + "'");
 
     std::vector<Column<T>> columns;
-    for (const auto& array : directions)
-        columns.push_back(column_of(array, count));
-    for (const auto& array : params)
-        columns.push_back(column_of(array, count));
+    for (const auto& array : directions) columns.push_back(column_of(array, count));
+    for (const auto& array : params) columns.push_back(column_of(array, count));
     py::array_t<T> result({py::ssize_t{9}, count});
     T* const out = result.mutable_data();
 
@@ -109,8 +101,7 @@ void bind_shading(py::module_& module) {
             "isas",
             [](const ShaderInfo& s) {
                 std::vector<std::string> isas;
-                for (int k = 0; k < s.abi->kernel_count; ++k)
-                    isas.emplace_back(s.abi->kernels[k].isa);
+                for (int k = 0; k < s.abi->kernel_count; ++k) isas.emplace_back(s.abi->kernels[k].isa);
                 return isas;
             },
             "Instruction sets that it has kernels for.")

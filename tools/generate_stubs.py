@@ -11,6 +11,7 @@ python/relume/_shader_types.pyi  the keyword arguments of every built-in shader'
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -29,12 +30,15 @@ _ARGUMENT = {"boolean": "bool", "integer": "int"}
 def module_stub() -> str:
     """The stub of relume._relume."""
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "pybind11_stubgen", "--exit-code", "--numpy-array-wrap-with-annotated"]
-        command[4:] = ["--numpy-array-use-type-var", "-o", folder, "relume._relume"]
+        options = ["--exit-code", "--numpy-array-use-type-var", "-o", folder]
+        command = [sys.executable, "-m", "pybind11_stubgen", *options, "relume._relume"]
         done = subprocess.run(command, capture_output=True, text=True, check=False, env=dict(os.environ))
         if done.returncode != 0:
             sys.exit(f"pybind11-stubgen: {done.stderr or done.stdout}")
-        return (Path(folder) / "relume" / "_relume.pyi").read_text()
+        text = (Path(folder) / "relume" / "_relume.pyi").read_text()
+    # What pybind11 leaves open and mypy --strict does not accept.
+    text = re.sub(r"\bos\.PathLike\b(?!\[)", "os.PathLike[str]", text)
+    return re.sub(r"\bcollections\.abc\.Callable\b(?!\[)", "collections.abc.Callable[..., typing.Any]", text)
 
 
 def _class_name(shader: Shader) -> str:
@@ -69,7 +73,7 @@ def shader_stub() -> str:
     for shader in built_in:
         lines += [
             f"class {_class_name(shader)}(Shader):",
-            "    def evaluate(  # type: ignore[override]",
+            "    def evaluate(",
             "        self,",
         ]
         lines += [f"        {argument}," for argument in _arguments(shader)]
@@ -86,9 +90,13 @@ def shader_stub() -> str:
 
 
 def formatted(text: str, name: str) -> str:
-    """As ruff formats it, so that lint has nothing to say."""
-    command = [sys.executable, "-m", "ruff", "format", "--stdin-filename", str(PACKAGE / name), "-"]
-    return subprocess.run(command, input=HEADER + text, capture_output=True, text=True, check=True).stdout
+    """With its header, as ruff sorts and formats it, so that lint has nothing to say."""
+    text = HEADER + text
+    ruff = [sys.executable, "-m", "ruff"]
+    where = ["--stdin-filename", str(PACKAGE / name), "-"]
+    for step in ([*ruff, "check", "--fix-only", "--quiet", *where], [*ruff, "format", *where]):
+        text = subprocess.run(step, input=text, capture_output=True, text=True, check=True).stdout
+    return text
 
 
 def main() -> int:

@@ -19,42 +19,48 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from relume._relume import (
-        Camera,
-        ChannelInfo,
-        ExrFile,
-        ExrPart,
-        LightType,
-        Parameter,
-        PluginReport,
-        Report,
-        SceneInfo,
-        active_isa,
-        available_isas,
-        openexr_build,
-        plugin_reports,
-        use_isa,
-    )
-    from relume.display import Display, to_display
-    from relume.errors import (
-        ArgumentError,
-        Cancelled,
-        ChannelError,
-        Error,
-        FileError,
-        FormatError,
-        MissingPackageError,
-        ParameterError,
-        PluginError,
-        RigError,
-        UnknownNameError,
-    )
-    from relume.gbuffer import GBuffer
-    from relume.png import write_png
-    from relume.relighting import Relit, relight, relight_file
-    from relume.rig import FromChannel, Rig
-    from relume.scenes import scenes, write_scene
-    from relume.shading import Evaluation, Shader, light_types, shaders
+    from relume._relume import Camera as Camera
+    from relume._relume import ChannelInfo as ChannelInfo
+    from relume._relume import ExrFile as ExrFile
+    from relume._relume import ExrPart as ExrPart
+    from relume._relume import LightType as LightType
+    from relume._relume import Parameter as Parameter
+    from relume._relume import PluginReport as PluginReport
+    from relume._relume import Report as Report
+    from relume._relume import SceneInfo as SceneInfo
+    from relume._relume import active_isa as active_isa
+    from relume._relume import available_isas as available_isas
+    from relume._relume import openexr_build as openexr_build
+    from relume._relume import plugin_reports as plugin_reports
+    from relume._relume import use_isa as use_isa
+    from relume.builtin_scenes import scenes as scenes
+    from relume.builtin_scenes import write_scene as write_scene
+    from relume.display import Display as Display
+    from relume.display import quantized as quantized
+    from relume.display import to_display as to_display
+    from relume.errors import ArgumentError as ArgumentError
+    from relume.errors import Cancelled as Cancelled
+    from relume.errors import ChannelError as ChannelError
+    from relume.errors import Error as Error
+    from relume.errors import FileError as FileError
+    from relume.errors import FormatError as FormatError
+    from relume.errors import MissingPackageError as MissingPackageError
+    from relume.errors import ParameterError as ParameterError
+    from relume.errors import PluginError as PluginError
+    from relume.errors import RigError as RigError
+    from relume.errors import UnknownNameError as UnknownNameError
+    from relume.gbuffer import GBuffer as GBuffer
+    from relume.layers import read_layer as read_layer
+    from relume.png import write_png as write_png
+    from relume.relighting import Relit as Relit
+    from relume.relighting import relight as relight
+    from relume.relighting import relight_file as relight_file
+    from relume.rig import FromChannel as FromChannel
+    from relume.rig import Rig as Rig
+    from relume.shading import Evaluation as Evaluation
+    from relume.shading import Shader as Shader
+    from relume.shading import light_types as light_types
+    from relume.shading import shaders as shaders
 
     __version__: str
 
@@ -76,7 +82,7 @@ _HOMES = {
         "plugin_reports",
         "use_isa",
     ),
-    "display": ("Display", "to_display"),
+    "display": ("Display", "quantized", "to_display"),
     "errors": (
         "ArgumentError",
         "Cancelled",
@@ -91,15 +97,16 @@ _HOMES = {
         "UnknownNameError",
     ),
     "gbuffer": ("GBuffer",),
+    "layers": ("read_layer",),
     "png": ("write_png",),
     "relighting": ("Relit", "relight", "relight_file"),
     "rig": ("FromChannel", "Rig"),
-    "scenes": ("scenes", "write_scene"),
+    "builtin_scenes": ("scenes", "write_scene"),
     "shading": ("Evaluation", "Shader", "light_types", "shaders"),
 }
 _HOME_OF = {name: module for module, names in _HOMES.items() for name in names}
 
-__all__ = sorted([*_HOME_OF, "__version__"])
+__all__ = [*sorted(_HOME_OF), "__version__"]
 
 
 def __getattr__(name: str) -> object:

@@ -34,9 +34,9 @@ class GBuffer:
 
         gbuffer = relume.GBuffer(normal=n, base_color=c, roughness=r, position=p, camera=matrix)
 
-    Arrays are float32 or float16, IDs uint32 too, (height, width) or (height, width, components), of any strides; they are
-    not copied, and what they hold when relight() runs is what is shaded. ``gbuffer["normal"]`` gives a channel in canonical
-    form: decoded, in world space and working space, divided by coverage.
+    Arrays are float32 or float16, IDs uint32 too, (height, width) or (height, width, components), of any strides; they
+    are not copied, and what they hold when relight() runs is what is shaded. ``gbuffer["normal"]`` gives a channel in
+    canonical form: decoded, in world space and working space, divided by coverage.
     """
 
     _gbuffer: _relume.GBuffer
@@ -55,7 +55,8 @@ class GBuffer:
         """Take arrays in memory.
 
         Args:
-            normal: (H, W, 3) surface normals, 0 on background. World space and -1..1 unless ``channels`` says otherwise.
+            normal: (H, W, 3) surface normals, 0 on background. World space and -1..1 unless ``channels`` says
+                otherwise.
             channels: how arrays are stored, by name: ``{"normal": {"space": "camera", "encoding": "0..1"}}``. The keys
                 are those of a rig's [gbuffer.channels].
             camera: (4, 4) camera-to-world matrix (column vectors, looks down -Z, +Y up), or a mapping of the keys of a
@@ -102,8 +103,9 @@ class GBuffer:
             alpha: "premultiplied" or "straight".
             working_space: what the colours are in, where the file does not say or is wrong.
             channels: by semantic name a channel, layer or further file, or a mapping of the keys of a rig's
-                [gbuffer.channels]: ``{"normal": {"channel": "N", "space": "camera"}}``. Files that are not EXR (PNG, JPEG,
-                TIFF) are read by the package OpenImageIO: sRGB is decoded for colours of 8 bits, vectors are 0..1.
+                [gbuffer.channels]: ``{"normal": {"channel": "N", "space": "camera"}}``. Files that are not EXR (PNG,
+                JPEG, TIFF) are read by the package OpenImageIO: sRGB is decoded for colours of 8 bits, vectors are
+                0..1.
             camera: as in GBuffer(); for files whose header and positions have none.
 
         Raises:
@@ -200,8 +202,8 @@ class GBuffer:
             name: a semantic name of ``channels``, or the name of a channel or layer in the file.
 
         Returns:
-            (H, W, 3) or (H, W) float32, a new array. Normals are unit, in world space, 0 on background; colours linear, in
-            the working space; both divided by coverage. IDs are uint32.
+            (H, W, 3) or (H, W) float32, a new array. Normals are unit, in world space, 0 on background; colours
+            linear, in the working space; both divided by coverage. IDs are uint32.
 
         Raises:
             ChannelError: there is none of that name.
@@ -261,15 +263,15 @@ def _options(
 ) -> Rig:
     """A rig whose [gbuffer] and [camera] say all that was given."""
     options = rig.copy() if rig is not None else Rig()
-    for key, value in (("part", part), ("view", view), ("alpha", alpha), ("working_space", working_space)):
-        if value is not None:
-            setattr(options.gbuffer, key, value)
+    for key, word in (("part", part), ("view", view), ("alpha", alpha), ("working_space", working_space)):
+        if word is not None:
+            setattr(options.gbuffer, key, word)
     for name, rule in (channels or {}).items():
-        if isinstance(rule, Mapping):
-            for key, value in rule.items():
-                options._rig.set(f"gbuffer.channels.{name}.{key}", _toml(value))
+        if isinstance(rule, Mapping) and name in options.gbuffer.channels:
+            for key, value in rule.items():  # beside what the rig says of it
+                setattr(options.gbuffer.channels[name], str(key), value)
         else:
-            options._rig.set(f"gbuffer.channels.{name}", _toml(rule))
+            options.gbuffer.channels[name] = rule
     if isinstance(camera, Mapping):
         for key, value in camera.items():
             setattr(options.camera, str(key), value)
@@ -279,12 +281,6 @@ def _options(
             raise ArgumentError(f"camera: a matrix of shape {matrix.shape}; give (4, 4), camera to world")
         options.camera.matrix = matrix
     return options
-
-
-def _toml(value: object) -> str:
-    from relume.rig import toml_text
-
-    return toml_text(value)
 
 
 def main_file(path: str | os.PathLike[str] | None, options: Rig) -> str:

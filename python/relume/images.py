@@ -26,8 +26,8 @@ def read_image(path: Path) -> tuple[NDArray[np.float32], list[str], int]:
     """Read one image as its file stores it.
 
     Returns:
-        (H, W, C) float32, integers as 0..1, nothing decoded; the names of the channels, "Y" for grey; and the bits of the
-        integers that the file holds (8, 16, …), 0 for floating point.
+        (H, W, C) float32, integers as 0..1, nothing decoded; the names of the channels, "Y" for grey; and the bits of
+        the integers that the file holds (8, 16, …), 0 for floating point.
 
     Raises:
         FileError: it is missing.

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from relume._relume import ExrFile
 
-__all__ = ["Kind", "Layer", "find_layer", "layers_of", "read_layer", "viewable"]
+__all__ = ["Kind", "Layer", "find_layer", "layers_of", "read_layer", "space_of", "viewable"]
 
 Kind = Literal["color", "normal", "position", "depth", "id", "value"]
 
@@ -160,6 +160,20 @@ def read_layer(path: str | os.PathLike[str], name: str | None = None) -> NDArray
     return pixels_of(file, find_layer(file, name))
 
 
+def space_of(file: ExrFile, part: int) -> str | list[float]:
+    """What the colours of a part are in, for Display(space=…): as its header says, else lin_rec709."""
+    attributes = [file.parts[index].attributes for index in (part, 0)]
+    for header in attributes:
+        name = header.get("colorInteropID")
+        if isinstance(name, str) and _relume.space_chromaticities(name) is not None:
+            return name
+    for header in attributes:
+        numbers = header.get("chromaticities")
+        if isinstance(numbers, list) and len(numbers) == 8:
+            return _relume.space_name(numbers) or numbers
+    return "lin_rec709"
+
+
 def pixels_of(file: ExrFile, layer: Layer) -> NDArray[Any]:
     """(H, W, C) of a layer, uint32 where it is stored so, else float32."""
     if layer.ids:
@@ -170,8 +184,8 @@ def pixels_of(file: ExrFile, layer: Layer) -> NDArray[Any]:
 def viewable(pixels: NDArray[Any], kind: Kind) -> NDArray[np.float32]:
     """Numbers that are no colours as a picture, 0…1, (H, W) or (H, W, 3), to be shown without a display transform.
 
-    Normals are shown as (n + 1)/2 and background as black, positions by the range that they have, depths from white (near)
-    to black (far and background), IDs by a colour each, values as they are.
+    Normals are shown as (n + 1)/2 and background as black, positions by the range that they have, depths from white
+    (near) to black (far and background), IDs by a colour each, values as they are.
     """
     finite = np.isfinite(pixels)
     clean = np.where(finite, pixels, 0)
@@ -191,7 +205,7 @@ def viewable(pixels: NDArray[Any], kind: Kind) -> NDArray[np.float32]:
     picture = np.clip(clean, 0, 1).astype(np.float32)
     if picture.shape[-1] == 2:
         picture = np.concatenate([picture, np.zeros_like(picture[..., :1])], axis=-1)
-    return picture[..., 0] if picture.shape[-1] == 1 else picture[..., :3]
+    return np.asarray(picture[..., 0] if picture.shape[-1] == 1 else picture[..., :3])
 
 
 def _by_range(values: NDArray[Any], covered: NDArray[np.bool_]) -> NDArray[Any]:
@@ -199,7 +213,7 @@ def _by_range(values: NDArray[Any], covered: NDArray[np.bool_]) -> NDArray[Any]:
     if not np.any(covered):
         return np.zeros_like(values)
     low, high = np.percentile(values[covered], (0.5, 99.5), axis=0)
-    return np.clip((values - low) / np.maximum(high - low, 1e-12), 0, 1)
+    return np.asarray(np.clip((values - low) / np.maximum(high - low, 1e-12), 0, 1))
 
 
 def _hashed(ids: NDArray[Any]) -> NDArray[np.float32]:

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
 # What the package brings itself.
 _BUILTIN_CONFIG = "ocio://default"
-# What a picture is in when nobody says otherwise, as for every G-buffer.
-_DEFAULT_SPACE = "lin_rec709"
 
 
 def _require(name: str, kind: str, names: list[str]) -> None:
@@ -30,7 +28,7 @@ def _require(name: str, kind: str, names: list[str]) -> None:
 
 def _load(path: str | None) -> Any:
     try:
-        import PyOpenColorIO as ocio  # noqa: N813
+        import PyOpenColorIO as ocio  # type: ignore[import-untyped]  # noqa: N813
     except ImportError as error:
         raise MissingPackageError(
             f"display transforms by OpenColorIO need the package opencolorio ({error}): pip install opencolorio"
@@ -42,24 +40,25 @@ def _load(path: str | None) -> Any:
         raise FileError(f"OpenColorIO config {source}: {' '.join(str(error).split())}") from None
 
 
-def _source_space(config: Any, wanted: str | None) -> str:
-    if wanted is not None:
-        if config.getColorSpace(wanted) is None:
-            _require(wanted, "colour space", [str(name) for name in config.getColorSpaceNames()])
-        return wanted
-    return _DEFAULT_SPACE if config.getColorSpace(_DEFAULT_SPACE) is not None else "scene_linear"
+def _source_space(config: Any, wanted: str) -> str:
+    """The config's name or alias of a space; ours carry "_scene" at the Color Interop Forum."""
+    for name in (wanted, f"{wanted}_scene"):
+        if config.getColorSpace(name) is not None:
+            return name
+    _require(wanted, "colour space", [str(name) for name in config.getColorSpaceNames()])
+    return wanted
 
 
 def display_transform(
-    display: str | None, view: str | None = None, config: str | None = None, space: str | None = None
+    space: str, display: str | None = None, view: str | None = None, config: str | None = None
 ) -> Callable[[NDArray[Any]], NDArray[np.float32]]:
     """A function from scene-linear (…, 3) to display-coded (…, 3) float32.
 
     Args:
+        space: what the colours are in: a space, alias or role of the config, or one of relume's names.
         display: of the config; its default when None.
         view: of the display; its default when None.
         config: a file, or "ocio://…"; $OCIO, else the built-in one, when None.
-        space: what the colours are in; lin_rec709 where the config knows it, else its scene_linear, when None.
 
     Raises:
         MissingPackageError: opencolorio is not installed.

@@ -32,7 +32,8 @@ def write_png(path: str | os.PathLike[str], image: NDArray[Any], *, srgb: bool =
 
     Args:
         path: the file.
-        image: uint8 or uint16, (H, W) grey, (H, W, 2) grey with alpha, (H, W, 3) RGB or (H, W, 4) RGBA. Alpha is straight.
+        image: uint8 or uint16, (H, W) grey, (H, W, 2) grey with alpha, (H, W, 3) RGB or (H, W, 4) RGBA. Alpha is
+            straight.
         srgb: say in the file that the values are sRGB.
 
     Raises:

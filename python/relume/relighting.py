@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Relit", "relight", "relight_file"]
 
-#: A rig, the path of a rig file, or the text of one (anything with a line break or a `=`, unless it ends like a path).
+#: A rig, the path of a rig file, the name of a built-in one, or the text of one (anything with a line break or a `=`,
+#: unless it ends like a path).
 AnyRig = Rig | str | os.PathLike[str]
 #: A G-buffer, or the path of one, which is read with the rig's [gbuffer] and [camera].
 AnyGBuffer = GBuffer | str | os.PathLike[str]
@@ -67,7 +68,7 @@ def _rig_of(rig: AnyRig) -> Rig:
         return rig
     if isinstance(rig, str) and ("\n" in rig or ("=" in rig and not rig.endswith((".relume", ".toml")))):
         return Rig.loads(rig)
-    return Rig.load(rig)
+    return Rig.find(rig)
 
 
 def _gbuffer_of(gbuffer: AnyGBuffer, rig: Rig) -> GBuffer:
@@ -93,15 +94,15 @@ def relight(
 
     Args:
         gbuffer: a G-buffer, or the path of an EXR.
-        rig: a Rig, the path of a rig file, or the text of one.
-        out: arrays to write into by AOV name: float32 or float16, any strides, (H, W, 4) for "beauty" and (H, W, 3) for the
-            others. What is not given is made.
+        rig: a Rig, the path of a rig file, the name of a built-in one ("outdoor"), or TOML text.
+        out: arrays to write into by AOV name: float32 or float16, any strides, (H, W, 4) for "beauty" and (H, W, 3)
+            for the others. What is not given is made.
         threads: how many; as many as the process may use when None.
         progress: called a few times a second with the share done, 0…1.
 
     Returns:
-        Arrays by AOV name, "beauty" (H, W, 4) first; the arrays of ``out`` themselves where given. Row 0 is the top of the
-        data window, values are scene-linear in the working space, premultiplied by alpha.
+        Arrays by AOV name, "beauty" (H, W, 4) first; the arrays of ``out`` themselves where given. Row 0 is the top of
+        the data window, values are scene-linear in the working space, premultiplied by alpha.
 
     Raises:
         UnknownNameError: ``out`` names an AOV that the rig does not make.
@@ -142,7 +143,8 @@ def relight_file(
 
     Args:
         gbuffer: a G-buffer, or the path of an EXR.
-        rig: a Rig, the path of a rig file, or the text of one. Its [output] says type, compression and AOVs.
+        rig: a Rig, the path of a rig file, the name of a built-in one ("outdoor"), or TOML text. Its [output] says
+            type, compression and AOVs.
         path: the EXR to write.
         threads: how many; as many as the process may use when None.
         progress: called a few times a second with the share done, 0…1.

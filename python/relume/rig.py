@@ -79,6 +79,16 @@ def _key(name: str) -> str:
     return name if bare else _quoted(name)
 
 
+def _part(name: str) -> str:
+    """A name as a part of a dotted key, in quotes where it has dots; such quotes know no escapes."""
+    if name and not any(c in name for c in ".\"'"):
+        return name
+    quote = "'" if '"' in name else '"'
+    if quote in name:
+        raise ParameterError(f"the name {name!r} has both kinds of quotes: no key can name it")
+    return f"{quote}{name}{quote}"
+
+
 def _from_toml(row: Parameter | None, text: str) -> Any:
     """The Python value of what Rig::get() says, in the type of its row."""
     if not text:
@@ -129,7 +139,7 @@ class Section:
         return self._path()
 
     def _given(self) -> list[str]:
-        return [row.name for row in self.parameters if self._rig.get(f"{self._path()}.{row.name}")]
+        return [row.name for row in self.parameters if getattr(self, row.name) is not None]
 
     def _unset(self, name: str) -> None:
         raise ParameterError(f"{self._title()}: {name} cannot be taken back; make a new rig without it")
@@ -146,7 +156,13 @@ class Section:
 
     def __getattr__(self, name: str) -> Any:
         row = self._row(name)
-        return _from_toml(row, self._rig.get(f"{self._path()}.{name}"))
+        try:
+            text = self._rig.get(f"{self._path()}.{name}")
+        except ParameterError:
+            if row.default is None:  # the key is right, so what is missing is its value
+                return None
+            raise
+        return _from_toml(row, text)
 
     def __setattr__(self, name: str, value: object) -> None:
         if name in type(self)._own or isinstance(getattr(type(self), name, None), property):
@@ -206,7 +222,7 @@ class Light(Section):
         return next(tuple(light.parameters) for light in _relume.light_types() if light.name == kind)
 
     def _path(self) -> str:
-        return f"light.{_key(self._name)}"
+        return f"light.{_part(self._name)}"
 
     def _title(self) -> str:
         return f"light '{self._name}' ({self.type})"
@@ -250,6 +266,7 @@ class Lights(Mapping[str, Light]):
         Raises:
             ParameterError: the name is taken, there is no such type or key, or a value is out of range.
         """
+        _part(name)  # refuses what no key can name
         self._rig.add_light(name, type)
         light = Light(self._rig, name)
         try:
@@ -409,7 +426,7 @@ class ChannelRule(Section):
         return tuple(_relume.channel_rule_parameters())
 
     def _path(self) -> str:
-        return f"gbuffer.channels.{_key(self._name)}"
+        return f"gbuffer.channels.{_part(self._name)}"
 
 
 class Channels(MutableMapping[str, ChannelRule]):
@@ -426,7 +443,7 @@ class Channels(MutableMapping[str, ChannelRule]):
     def __setitem__(self, name: str, rule: str | os.PathLike[str] | Mapping[str, object] | ChannelRule) -> None:
         if isinstance(rule, ChannelRule):
             rule = {key: getattr(rule, key) for key in rule._given()}
-        self._rig.set(f"gbuffer.channels.{_key(name)}", toml_text(rule))
+        self._rig.set(f"gbuffer.channels.{_part(name)}", toml_text(rule))
 
     def __delitem__(self, name: str) -> None:
         self[name]
@@ -499,6 +516,17 @@ class Rig:
         """
         return cls._of(_relume.Rig.builtin(name))
 
+    @classmethod
+    def find(cls, name: str | os.PathLike[str]) -> Rig:
+        """A rig file, or a built-in rig where no file has this name: as include and ``--rig`` take them.
+
+        Raises as load() does.
+        """
+        word = os.fspath(name)
+        if word in _relume.builtin_rigs() and not Path(word).exists():
+            return cls.builtin(word)
+        return cls.load(word)
+
     @property
     def light(self) -> Lights:
         """The lights by name."""
@@ -547,7 +575,11 @@ class Rig:
         self._rig.set(key, value if isinstance(value, str) else toml_text(value))
 
     def get(self, key: str) -> Any:
-        """The value of a dotted key, the default where it was not set, None where there is none."""
+        """The value of a dotted key, or its default.
+
+        Raises:
+            ParameterError: there is no such key, or it was not given and has no default.
+        """
         return _from_toml(None, self._rig.get(key))
 
     def copy(self) -> Rig:

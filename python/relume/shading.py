@@ -194,7 +194,7 @@ def _evaluate_of(shader: Shader) -> Callable[..., Evaluation]:
         *,
         n: ArrayLike,
         v: ArrayLike,
-        l: ArrayLike,
+        l: ArrayLike,  # noqa: E741
         tangent: ArrayLike | None = None,
         **parameters: Any,
     ) -> Evaluation:
@@ -272,7 +272,7 @@ def _evaluate(
     shader: Shader,
     n: object,
     v: object,
-    l: object,
+    l: object,  # noqa: E741
     tangent: object,
     given: dict[str, Any],
 ) -> Evaluation:

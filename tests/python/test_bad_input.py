@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bad input, through the command line: one clear error that names the file, an exit code below 126, nothing half-written."""
+"""Bad input, through the command line: one clear error that names the file, an exit code below 126, no half files."""
 
 from __future__ import annotations
 
@@ -229,10 +229,18 @@ def test_rig_is_missing(folder: Folder) -> None:
     folder.refused(named="key.relume", code=2)
 
 
-@pytest.mark.parametrize("text", ["version = 1\n", KEY + "enabled = false\n"])
-def test_no_lights(folder: Folder, text: str) -> None:
-    folder.rig.write_text(text)
+def test_no_lights(folder: Folder) -> None:
+    folder.rig.write_text("version = 1\n")
     folder.refused(named="light", code=2)
+
+
+def test_every_light_off(folder: Folder) -> None:
+    """Somebody wanted that: black, and a word about it."""
+    folder.rig.write_text(KEY + "enabled = false\n")
+    ran = folder.relight()
+    assert ran.code == 0, ran
+    assert "off" in ran.err
+    assert read_exr(folder.output)["R"].max() == 0
 
 
 def test_one_pixel(folder: Folder) -> None:

@@ -13,6 +13,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+import OpenEXR
 import pytest
 import relume
 from conftest import KEY, flat_channels, read_exr, run_relume, write_exr
@@ -155,7 +156,7 @@ def test_interruption(shot: Path, number: int) -> None:
     """The frame under way leaves nothing behind; those before it stay."""
     large = np.random.default_rng(1).random((3000, 4000), np.float32)
     write_exr(shot / "big.0001.exr", dict.fromkeys(flat_channels(), large[:4, :4]))
-    write_exr(shot / "big.0002.exr", dict.fromkeys(flat_channels(), large), compression=0)
+    write_exr(shot / "big.0002.exr", dict.fromkeys(flat_channels(), large), compression=OpenEXR.NO_COMPRESSION)
     command = [
         sys.executable,
         "-m",

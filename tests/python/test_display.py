@@ -39,9 +39,19 @@ def test_curves() -> None:
         to_display(x, tone="asces")
 
 
+def test_spaces() -> None:
+    """Colours of ACEScg land on the screen where OpenColorIO puts them, by either way."""
+    colors = np.random.default_rng(8).uniform(0.1, 0.4, (50, 3))
+    by_ocio = Display(space="lin_ap1", ocio_display="sRGB - Display", ocio_view="Un-tone-mapped")(colors)
+    np.testing.assert_allclose(Display(space="ACEScg")(colors), by_ocio, atol=1e-3)
+    ap1 = (0.713, 0.293, 0.165, 0.830, 0.128, 0.044, 0.32168, 0.33767)
+    np.testing.assert_array_equal(Display(space=ap1)(colors), Display(space="lin_ap1")(colors))
+    assert np.abs(Display()(colors) - by_ocio).max() > 0.01
+
+
 def test_not_finite() -> None:
     seen = to_display(np.array([[np.nan, np.inf, -np.inf]]), tone="aces")
-    np.testing.assert_array_equal(seen, [[0, 1, 0]])
+    np.testing.assert_allclose(seen, [[0, 1, 0]], atol=1e-6)
 
 
 def test_ocio_is_the_srgb_curve_where_it_should_be() -> None:
@@ -57,7 +67,9 @@ def test_ocio_is_the_srgb_curve_where_it_should_be() -> None:
     [
         ({"ocio_display": "sRGB"}, "sRGB - Display"),
         ({"ocio_display": "sRGB - Display", "ocio_view": "Un-tone-maped"}, "Un-tone-mapped"),
-        ({"ocio_space": "lin_rec790"}, "colour space"),
+        ({"ocio_display": "sRGB - Display", "space": "lin_rec790"}, "colour space"),
+        ({"space": "lin_rec790"}, "'lin_rec709'"),
+        ({"space": (1, 2)}, "8"),
         ({"ocio_config": "/nowhere/config.ocio"}, "/nowhere/config.ocio"),
     ],
 )
@@ -182,6 +194,15 @@ def test_command_values(tmp_path: Path) -> None:
     assert np.abs(decoded(tmp_path / "x.png", np.uint16)[0, 0] - expected).max() <= 0.51
     assert run_relume("png", path).code == 0
     assert np.abs(decoded(tmp_path / "flat.png", np.uint8)[0, 0] - to_display(color) * 255).max() <= 0.51
+
+
+def test_command_heeds_the_header(tmp_path: Path) -> None:
+    planes = {name: np.full((2, 2), value, np.float32) for name, value in zip("RGB", (0.2, 0.3, 0.1), strict=True)}
+    ap1 = (0.713, 0.293, 0.165, 0.830, 0.128, 0.044, 0.32168, 0.33767)
+    path = write_exr(tmp_path / "ap1.exr", planes, chromaticities=ap1)
+    assert run_relume("png", path).code == 0
+    expected = Display(space="lin_ap1")([0.2, 0.3, 0.1]) * 255
+    assert np.abs(decoded(tmp_path / "ap1.png", np.uint8)[0, 0] - expected).max() <= 0.51
 
 
 def test_command_alpha(tmp_path: Path) -> None:

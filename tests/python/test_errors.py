@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import importlib
+import re
 from pathlib import Path
 
 import pytest
@@ -51,3 +53,12 @@ def test_every_public_name_is_there() -> None:
     assert set(relume.__all__) <= set(dir(relume))
     with pytest.raises(AttributeError):
         _ = relume.nothing
+
+
+def test_type_checkers_see_the_same_names() -> None:
+    """What __init__ imports for type checkers is what it hands out at run time, each from the same module."""
+    source = Path(relume.__file__).read_text()
+    typed = dict(re.findall(r"^    from relume\.\w+ import (\w+) as (\w+)$", source, re.MULTILINE))
+    assert set(typed) == {name for name in relume.__all__ if name != "__version__"}
+    for module, name in re.findall(r"^    from relume\.(\w+) import (\w+) as", source, re.MULTILINE):
+        assert getattr(relume, name) is getattr(importlib.import_module(f"relume.{module}"), name)

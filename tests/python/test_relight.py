@@ -137,6 +137,9 @@ def test_refusals(ggx_rig: Rig) -> None:
         relight(gbuffer, ggx_rig, threads=0)
     lamp = Rig()
     lamp.light.add("lamp", "point")
+    with pytest.raises(relume.ParameterError, match="lamp"):
+        relight(gbuffer, lamp)
+    lamp.light["lamp"].position = 0, 0, 1
     with pytest.raises(relume.ChannelError, match="position"):
         relight(gbuffer, lamp)
 
@@ -179,25 +182,23 @@ def big_gbuffer() -> GBuffer:
     return GBuffer(normal=normal, view=np.broadcast_to(np.float32([0, 0, 1]), (*shape, 3)))
 
 
-class _Out(dict):  # type: ignore[type-arg]
+def big_out() -> dict[str, np.ndarray]:
     """Arrays for the results of big_gbuffer() that take no memory: every row is the same one."""
-
-    def __init__(self) -> None:
-        row = np.zeros((1, 30000, 4), np.float32)
-        super().__init__(beauty=np.lib.stride_tricks.as_strided(row, (30000, 30000, 4), (0, 16, 4)))
+    row = np.zeros((1, 30000, 4), np.float32)
+    return {"beauty": np.lib.stride_tricks.as_strided(row, (30000, 30000, 4), (0, 16, 4))}
 
 
 def test_an_exception_in_progress_stops_the_work(ggx_rig: Rig) -> None:
-    class Enough(Exception):
+    class EnoughError(Exception):
         pass
 
     def progress(share: float) -> None:
         if share < 1:
-            raise Enough
+            raise EnoughError
 
     start = time.monotonic()
-    with pytest.raises(Enough):
-        relight(big_gbuffer(), Rig.loads(KEY), out=_Out(), progress=progress)
+    with pytest.raises(EnoughError):
+        relight(big_gbuffer(), Rig.loads(KEY), out=big_out(), progress=progress)
     assert time.monotonic() - start < 5
 
 
@@ -221,7 +222,7 @@ def test_the_gil_is_released() -> None:
     counter.start()
     try:
         with pytest.raises(KeyboardInterrupt):
-            relight(big_gbuffer(), Rig.loads(KEY), out=_Out(), progress=progress)
+            relight(big_gbuffer(), Rig.loads(KEY), out=big_out(), progress=progress)
     finally:
         done.set()
         counter.join()
@@ -234,7 +235,7 @@ sys.path.insert(0, {folder!r})
 from test_relight import *
 print("ready", flush=True)
 try:
-    relight(big_gbuffer(), Rig.loads(KEY), out=_Out())
+    relight(big_gbuffer(), Rig.loads(KEY), out=big_out())
 except KeyboardInterrupt:
     print("interrupted", flush=True)
 """

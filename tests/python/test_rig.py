@@ -188,7 +188,8 @@ def test_set_and_get(rig: Rig) -> None:
     assert rig.get("light.key.color") == [1.0, 0.0, 0.0]
     assert rig.get("output.type") == "float"
     assert rig.light["key"].angle == 2.0
-    assert rig.get("camera.fov") is None
+    with pytest.raises(relume.ParameterError, match=r"camera\.fov"):
+        rig.get("camera.fov")
 
 
 def test_text_and_copies(rig: Rig, tmp_path: Path) -> None:
@@ -221,11 +222,16 @@ def test_every_key_of_every_light(kind: str) -> None:
     rig = Rig()
     light = rig.light.add("it", kind)
     for row in light.parameters:
+        if row.default is None and row.type == "vector":  # what every such light must be given
+            assert getattr(light, row.name) is None
+            setattr(light, row.name, (1, 2, 3))
+            assert getattr(light, row.name) == (1.0, 2.0, 3.0)
+    for row in light.parameters:
         assert row.help and row.label
         assert row.name in dir(light)
         value = getattr(light, row.name)
-        assert value == (row.default if row.default is None or row.type != "number_list" else value)
-        if value is not None and row.name not in ("power", "intensity"):
+        if row.default is not None:
+            assert value == row.default
             setattr(light, row.name, value)
             assert getattr(light, row.name) == value
     assert Rig.loads(str(rig)) == rig

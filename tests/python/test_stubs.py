@@ -64,5 +64,5 @@ def test_a_users_program(tmp_path: Path) -> None:
     lines = [line for line in done.stdout.splitlines() if ": error:" in line]
     assert len(lines) == len(_MISTAKES), done.stdout + done.stderr
     for line, word in zip(lines, _MISTAKES.values(), strict=True):
-        assert line.startswith(f"{path}:") or line.startswith("program.py:")
+        assert line.startswith((f"{path}:", "program.py:"))
         assert word in line

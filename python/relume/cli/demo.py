@@ -79,17 +79,16 @@ def command(folder: str, threads: int | None) -> None:
         _scene(target, scene, layers, looks, threads)
     click.echo(f"\nThe pictures are in {target}. The same by hand:")
     click.echo(f"  relume inspect {target / 'sdf.exr'}")
-    click.echo(
-        f"  relume relight {target / 'sdf.exr'} --rig {target / 'sdf.evening.relume'} -o out.exr --set light.sun.exposure=2"
-    )
+    files = f"{target / 'sdf.exr'} --rig {target / 'sdf.evening.relume'} -o out.exr"
+    click.echo(f"  relume relight {files} --set light.sun.exposure=2")
     click.echo("  relume png out.exr -o out.png --tone aces")
 
 
 def _scene(target: Path, scene: str, layers: tuple[str, ...], looks: tuple[Look, ...], threads: int | None) -> None:
+    from relume.builtin_scenes import write_scene
     from relume.gbuffer import GBuffer
     from relume.relighting import relight_file
     from relume.rig import Rig
-    from relume.scenes import write_scene
 
     source = target / f"{scene}.exr"
     start = time.perf_counter()
@@ -115,11 +114,11 @@ def _scene(target: Path, scene: str, layers: tuple[str, ...], looks: tuple[Look,
 
 def _picture(path: Path, target: Path, layer: str | None, tone: str) -> None:
     from relume import _relume
-    from relume.cli.png import picture_of, quantised
-    from relume.display import Display
+    from relume.cli.png import picture_of
+    from relume.display import Display, quantized
     from relume.layers import find_layer, pixels_of
     from relume.png import write_png
 
     file = _relume.ExrFile(path)
     found = find_layer(file, layer)
-    write_png(target, quantised(picture_of(pixels_of(file, found), found.kind, Display(tone=tone)), 8))
+    write_png(target, quantized(picture_of(pixels_of(file, found), found.kind, Display(tone=tone)), 8))

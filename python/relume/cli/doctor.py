@@ -18,12 +18,13 @@ _OPTIONAL = (
     ("OpenImageIO", "OpenImageIO", "reads G-buffer channels from PNG, JPEG and TIFF"),
     ("opencolorio", "PyOpenColorIO", "display transforms by OpenColorIO (relume png --ocio-display)"),
 )
+_PLUGIN_SUFFIX = ".relume.so"
 _REQUIRED = ("numpy", "click", "rich")
 
 
 @click.command("doctor")
 def command() -> int:
-    """Say what this installation can do. Exit code 1 if something that was asked for does not work (a plugin, a setting)."""
+    """Say what this installation can do. Exit code 1 if a plugin or a setting does not work."""
     try:
         from relume import _relume
     except ImportError as error:
@@ -88,10 +89,15 @@ def _plugins(troubles: list[str]) -> None:
     click.echo(f"shaders: {len(shaders) - len(own)} built in{plugins}")
     reports = _relume.plugin_reports()
     for report in reports:
-        click.echo(
-            f"  {report.file}: {'loaded' if report.loaded else 'not loaded'}{f': {report.message}' if report.message else ''}"
-        )
+        state = "loaded" if report.loaded else "not loaded"
+        click.echo(f"  {report.file}: {state}{f': {report.message}' if report.message else ''}")
         if not report.loaded:
             troubles.append(f"{report.file}: {report.message}")
+    path = os.environ.get("RELUME_SHADER_PATH", "")
+    for folder in (Path(word) for word in path.split(":") if word):
+        for file in sorted(folder.glob("*.so")):
+            if not file.name.endswith(_PLUGIN_SUFFIX):
+                troubles.append(f"{file}: no plugin, since its name does not end with {_PLUGIN_SUFFIX}")
     if not reports:
-        click.echo("  no plugins: RELUME_SHADER_PATH names none")
+        why = "there are none on RELUME_SHADER_PATH" if path else "RELUME_SHADER_PATH is not set"
+        click.echo(f"  no plugins: {why}")

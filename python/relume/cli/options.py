@@ -24,8 +24,8 @@ def gbuffer_options(function: F) -> F:
             "channels",
             multiple=True,
             metavar="NAME=SOURCE",
-            help="Where a channel comes from: normal=N, roughness=rough.####.png. NAME.KEY=VALUE says how it is stored: "
-            "normal.space=camera. May be repeated.",
+            help="Where a channel comes from: normal=N, roughness=rough.####.png. NAME.KEY=VALUE says how it is "
+            "stored: normal.space=camera. May be repeated.",
         ),
     ):
         function = option(function)
@@ -67,7 +67,7 @@ def load_rig(
     from relume.rig import Rig, toml_text
 
     try:
-        rig = Rig.load(path) if path is not None else Rig()
+        rig = Rig.find(path) if path is not None else Rig()
         for word in settings:
             rig.set(*_split(word, "--set"))
         for word in channels:
@@ -87,4 +87,5 @@ class RigFailure(click.UsageError):
     """Something is wrong with the rig: one line, without the usage that click adds."""
 
     def show(self, file: object = None) -> None:
+        """One line on standard error."""
         click.echo(f"relume: {self.message}", err=True)

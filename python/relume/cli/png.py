@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 @click.option("--ocio-display", metavar="NAME", help="Show colours through OpenColorIO instead, on this display.")
 @click.option("--ocio-view", metavar="NAME", help="View of that display; its default when absent.")
 @click.option("--ocio-config", metavar="FILE", help="An OpenColorIO config; $OCIO or the built-in one when absent.")
-@click.option("--ocio-space", metavar="NAME", help="Colour space of the file; the config's scene_linear when absent.")
+@click.option("--space", metavar="NAME", help="Colour space of the file, where its header does not say: lin_ap1, ….")
 @click.option("--alpha", is_flag=True, help="Keep alpha (straight) instead of showing the picture over black.")
 @click.option("--bits", type=click.Choice(["8", "16"]), default="8", show_default=True, help="Per channel.")
 def command(
@@ -53,18 +53,18 @@ def command(
     ocio_display: str | None,
     ocio_view: str | None,
     ocio_config: str | None,
-    ocio_space: str | None,
+    space: str | None,
     alpha: bool,
     bits: str,
 ) -> None:
     """Turn a layer of the EXR FILE into a PNG.
 
-    Colours get the exposure, the tone curve and the sRGB code; the EXR is left as it is. Normals, positions, depths and IDs
-    are shown so that something can be seen.
+    Colours get the exposure, the tone curve and the sRGB code; the EXR is left as it is. Normals, positions, depths
+    and IDs are shown so that something can be seen.
     """
     from relume import _relume
-    from relume.display import Display
-    from relume.layers import find_layer, layers_of, pixels_of
+    from relume.display import Display, quantized
+    from relume.layers import find_layer, layers_of, pixels_of, space_of
     from relume.png import write_png
 
     file = _relume.ExrFile(Path(path))
@@ -80,11 +80,11 @@ def command(
         ocio_display=ocio_display,
         ocio_view=ocio_view,
         ocio_config=ocio_config,
-        ocio_space=ocio_space,
+        space=space or space_of(file, chosen.part),
     )
     picture = picture_of(pixels_of(file, chosen), kind or chosen.kind, display, alpha)
     target = Path(output) if output is not None else _beside(Path(path), layer)
-    write_png(target, quantised(picture, int(bits)))
+    write_png(target, quantized(picture, int(bits)))
     click.echo(f"{target} written", err=True)
 
 
@@ -109,12 +109,3 @@ def picture_of(pixels: NDArray[Any], kind: Kind, display: Any, alpha: bool = Fal
     opacity = np.clip(np.nan_to_num(color[..., 3:4]), 0, 1)
     straight = np.divide(color[..., :3], opacity, out=np.zeros_like(color[..., :3]), where=opacity > 0)
     return np.concatenate([display(straight), opacity], axis=-1)
-
-
-def quantised(picture: NDArray[Any], bits: int) -> NDArray[Any]:
-    """0…1 as integers, rounded; NaN becomes 0."""
-    import numpy as np
-
-    top = 2**bits - 1
-    whole = np.rint(np.clip(np.nan_to_num(picture, nan=0.0, posinf=1.0, neginf=0.0), 0, 1) * top)
-    return whole.astype(np.uint8 if bits == 8 else np.uint16)

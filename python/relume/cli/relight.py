@@ -50,7 +50,7 @@ class Tally:
 
 @click.command("relight")
 @click.argument("source", required=False, metavar="[GBUFFER]")
-@click.option("--rig", "rig_path", required=True, metavar="FILE", help="The rig (.relume).")
+@click.option("--rig", "rig_path", required=True, metavar="FILE", help="The rig, or the name of a built-in one.")
 @click.option("-o", "--output", required=True, metavar="FILE", help="The EXR to write, with #### where GBUFFER has it.")
 @click.option("--frames", metavar="RANGE", help="1001, 1001-1100, 1001-1100x2, or several with commas.")
 @click.option("--skip-existing", is_flag=True, help="Leave out frames whose output is there.")

@@ -39,4 +39,9 @@ def console() -> Console:
     """Standard output for tables; as wide as they need when it is no terminal."""
     from rich.console import Console
 
-    return Console(highlight=False, width=None if sys.stdout.isatty() else _PIPE_WIDTH)
+    class Quiet(Console):
+        def on_broken_pipe(self) -> None:
+            # Not exit code 1, as rich has it: who reads no further has seen enough.
+            raise BrokenPipeError
+
+    return Quiet(highlight=False, width=None if sys.stdout.isatty() else _PIPE_WIDTH)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import click
 
-from relume.cli.options import load_rig, set_option
+from relume.cli.options import RigFailure, load_rig, set_option
 
 
 @click.group("rig")
@@ -28,10 +28,8 @@ def check(path: str, settings: tuple[str, ...], as_toml: bool) -> None:
         return
     lights = [light for light in rig.light.values() if light.enabled]
     off = len(rig.light) - len(lights)
-    if not lights:
-        raise click.UsageError(
-            f"{path}: no light is on; add a [[light]]" if off else f"{path}: no lights; add a [[light]]"
-        )
+    if not rig.light:
+        raise RigFailure(f"{path}: no lights; add a [[light]]")
     click.echo(f"{path}: right")
     click.echo(
         f"  lights: {', '.join(f'{light.name} ({light.type})' for light in lights)}{f'; {off} off' if off else ''}"

@@ -30,8 +30,8 @@ def command(
     threads: int | None,
 ) -> None:
     """Render the built-in scene NAME into a G-buffer EXR with Blender's channel names; without NAME list them."""
+    from relume.builtin_scenes import scenes, write_scene
     from relume.cli.shaders import show_list
-    from relume.scenes import scenes, write_scene
 
     if name is None:
         show_list((info.name, f"{info.help} ({info.width} × {info.height})") for info in scenes().values())
