@@ -10,8 +10,7 @@ namespace {
 /// Bytes of the UTF-8 character that starts here.
 std::size_t character_size(std::string_view text) {
     std::size_t size = 1;
-    while (size < text.size() && (static_cast<unsigned char>(text[size]) & 0xc0u) == 0x80u)
-        ++size;
+    while (size < text.size() && (static_cast<unsigned char>(text[size]) & 0xc0u) == 0x80u) ++size;
     return size;
 }
 

@@ -22,8 +22,7 @@ std::uint32_t murmur3(std::string_view name) {
         hash = std::rotl(hash ^ scramble(block), 13) * 5 + 0xe6546b64u;
     }
     std::uint32_t tail = 0;
-    for (std::size_t i = name.size(); i > 4 * blocks; --i)
-        tail = tail << 8 | byte_at(name, i - 1);
+    for (std::size_t i = name.size(); i > 4 * blocks; --i) tail = tail << 8 | byte_at(name, i - 1);
     hash ^= scramble(tail);
     hash ^= static_cast<std::uint32_t>(name.size());
     hash = (hash ^ hash >> 16) * 0x85ebca6bu;

@@ -43,19 +43,14 @@ public:
             if (r >= kComputed) r = r - kComputed + raws;
         };
         for (Step& step : plan_.steps) {
-            for (int& r : step.in)
-                renumber(r);
-            for (int& r : step.out)
-                renumber(r);
-            for (int& r : step.sum)
-                renumber(r);
+            for (int& r : step.in) renumber(r);
+            for (int& r : step.out) renumber(r);
+            for (int& r : step.sum) renumber(r);
             for (MatteLayer& layer : step.layers) {
-                for (auto& [id, coverage] : layer.ranks)
-                    renumber(id), renumber(coverage);
+                for (auto& [id, coverage] : layer.ranks) renumber(id), renumber(coverage);
             }
         }
-        for (int& r : plan_.outputs)
-            renumber(r);
+        for (int& r : plan_.outputs) renumber(r);
         for (const Step& step : plan_.steps) {
             const bool looks =
                 step.op == Op::repair || step.op == Op::point || step.op == Op::depth || step.op == Op::identifier;
@@ -111,8 +106,7 @@ private:
             reciprocal_ = fresh();
             Step step;
             step.op = Op::coverage;
-            for (const int index : source_.coverage.raws)
-                step.sum.push_back(raw(index));
+            for (const int index : source_.coverage.raws) step.sum.push_back(raw(index));
             step.out = {coverage_, reciprocal_, -1};
             plan_.steps.push_back(std::move(step));
         }
@@ -171,20 +165,17 @@ private:
         const bool change = s.encoding != Encoding::as_is || s.space == Space::camera ||
                             s.sign != std::array{1.f, 1.f, 1.f} || !s.unit || has_coverage();
         if (!change) {
-            for (std::size_t i = 0; i < 3; ++i)
-                result[i] = raw(s.raws[i]);
+            for (std::size_t i = 0; i < 3; ++i) result[i] = raw(s.raws[i]);
         } else {
             Step step;
             step.op = Op::direction;
             decoding(step, s);
-            for (std::size_t i = 0; i < 3; ++i)
-                step.in[i] = raw(s.raws[i]);
+            for (std::size_t i = 0; i < 3; ++i) step.in[i] = raw(s.raws[i]);
             if (has_coverage()) step.in[3] = coverage().first;
             // A mean of (n + 1)/2 and the background's 0 decodes only once the background is taken out.
             if (has_coverage() && s.averaged && s.encoding == Encoding::zero_to_one) step.in[4] = coverage().second;
             if (s.space == Space::camera) to_world(step, false);
-            for (int& r : step.out)
-                r = fresh();
+            for (int& r : step.out) r = fresh();
             result = step.out;
             plan_.steps.push_back(std::move(step));
         }
@@ -192,10 +183,8 @@ private:
             const std::vector<int> v = view();
             Step step;
             step.op = Op::turn;
-            for (std::size_t i = 0; i < 3; ++i)
-                step.in[i] = result[i], step.in[i + 3] = v[i];
-            for (int& r : step.out)
-                r = fresh();
+            for (std::size_t i = 0; i < 3; ++i) step.in[i] = result[i], step.in[i + 3] = v[i];
+            for (int& r : step.out) r = fresh();
             result = step.out;
             plan_.steps.push_back(std::move(step));
         }
@@ -217,8 +206,7 @@ private:
         } else {
             Step step;
             step.op = Op::view;
-            for (int& r : step.out)
-                r = fresh();
+            for (int& r : step.out) r = fresh();
             result = step.out;
             plan_.steps.push_back(std::move(step));
         }
@@ -238,13 +226,11 @@ private:
         Step step;
         step.op = Op::repair;
         step.ray = judge == depth;
-        for (std::size_t i = 0; i < judge->raws.size(); ++i)
-            step.in[i] = raw(judge->raws[i]);
+        for (std::size_t i = 0; i < judge->raws.size(); ++i) step.in[i] = raw(judge->raws[i]);
         if (has_coverage()) {
             step.in[3] = coverage().first;
         } else {
-            for (std::size_t i = 0; i < 3; ++i)
-                step.in[i + 3] = raw(normal->raws[i]);
+            for (std::size_t i = 0; i < 3; ++i) step.in[i + 3] = raw(normal->raws[i]);
         }
         // For depths the background is far away or at the far end; for positions it is the origin.
         step.scale = depth && depth == judge && depth->far ? 1.0f : 1e9f;
@@ -272,15 +258,13 @@ private:
             const bool change = divide || stand_in >= 0 || s->space == Space::camera ||
                                 s->sign != std::array{1.f, 1.f, 1.f} || s->encoding != Encoding::as_is;
             if (!change) {
-                for (std::size_t i = 0; i < 3; ++i)
-                    result[i] = raw(s->raws[i]);
+                for (std::size_t i = 0; i < 3; ++i) result[i] = raw(s->raws[i]);
                 vectors_["position"] = result;
                 return {result.begin(), result.end()};
             }
             step.op = Op::point;
             decoding(step, *s);
-            for (std::size_t i = 0; i < 3; ++i)
-                step.in[i] = raw(s->raws[i]);
+            for (std::size_t i = 0; i < 3; ++i) step.in[i] = raw(s->raws[i]);
             step.in[3] = stand_in;
             if (divide) step.in[4] = coverage().second;
             if (s->space == Space::camera) to_world(step, true);
@@ -293,8 +277,7 @@ private:
             step.op = Op::point_at_depth;
             step.in[0] = depth();
         }
-        for (int& r : step.out)
-            r = fresh();
+        for (int& r : step.out) r = fresh();
         result = step.out;
         plan_.steps.push_back(std::move(step));
         vectors_["position"] = result;
@@ -311,8 +294,7 @@ private:
             const std::vector<int> p = point();
             Step step;
             step.op = Op::depth_of_point;
-            for (std::size_t i = 0; i < 3; ++i)
-                step.in[i] = p[i];
+            for (std::size_t i = 0; i < 3; ++i) step.in[i] = p[i];
             depth_ = step.out[0] = fresh();
             plan_.steps.push_back(std::move(step));
             return depth_;
@@ -407,8 +389,7 @@ private:
         }
         if (registers.empty()) {
             if (const Semantic* s = source_.find(request.name)) {
-                for (const int index : s->raws)
-                    registers.push_back(scalar(index, s->averaged, scale, offset));
+                for (const int index : s->raws) registers.push_back(scalar(index, s->averaged, scale, offset));
             }
         }
         if (registers.empty()) missing("'" + request.name + "'", "");
@@ -491,8 +472,7 @@ private:
 
 BandPlan::BandPlan(const GBuffer::Impl& source, std::span<const ChannelRequest> requests) {
     Planner planner(source, *this);
-    for (const ChannelRequest& request : requests)
-        planner.answer(request);
+    for (const ChannelRequest& request : requests) planner.answer(request);
     planner.number_registers();
 }
 

@@ -72,8 +72,7 @@ BandReader::Scratch::Scratch(Scratch&&) noexcept = default;
 struct BandReader::Impl {
     Impl(const GBuffer& buffer, std::span<const ChannelRequest> requests)
         : source(buffer.impl()), plan(source, requests) {
-        for (std::size_t k = 0; k < plan.raws.size(); ++k)
-            every_raw.push_back(static_cast<int>(k));
+        for (std::size_t k = 0; k < plan.raws.size(); ++k) every_raw.push_back(static_cast<int>(k));
         // Geometry of row 0; rows differ by a constant.
         const Camera& camera = source.view_camera;
         const std::array<double, 16>& m = camera.camera_to_world;
@@ -162,13 +161,11 @@ void BandReader::load(int y, int rows, Scratch& scratch) const {
     const GBuffer::Impl& source = impl_->source;
     const std::vector<gbuffer::PlannedRaw>& raws = impl_->plan.raws;
     s.planes.resize(raws.size());
-    for (std::vector<ConstPlane>& planes : s.neighbours)
-        planes.clear();
+    for (std::vector<ConstPlane>& planes : s.neighbours) planes.clear();
     if (source.in_memory()) {
         s.top = source.data_window.y;
         s.rows = source.data_window.height;
-        for (std::size_t k = 0; k < raws.size(); ++k)
-            s.planes[k] = raws[k].plane.memory;
+        for (std::size_t k = 0; k < raws.size(); ++k) s.planes[k] = raws[k].plane.memory;
         return;
     }
     s.top = y;
@@ -211,8 +208,7 @@ std::span<const float* const> BandReader::segment(int y, int x, int count, Scrat
     }
     if (!plan.steps.empty()) {
         gbuffer::RunGeometry geometry = impl_->geometry;
-        for (std::size_t i = 0; i < 3; ++i)
-            geometry.row_ray[i] += y * geometry.next_row[i];
+        for (std::size_t i = 0; i < 3; ++i) geometry.row_ray[i] += y * geometry.next_row[i];
         const Impl::Beyond beyond(*impl_, s);
         gbuffer::RowPlanes rows{s.planes.data(),        row,   s.rows, column, window.width, y > window.y,
                                 y + 1 < window.y_end(), false, false,  &beyond};

@@ -18,8 +18,7 @@ std::optional<Pinhole> linear_fit(Normalised& n) {
     Matrix<12> normal{};
     const auto accumulate = [&](const std::array<double, 12>& row) {
         for (std::size_t i = 0; i < 12; ++i) {
-            for (std::size_t j = i; j < 12; ++j)
-                normal[i][j] += row[i] * row[j];
+            for (std::size_t j = i; j < 12; ++j) normal[i][j] += row[i] * row[j];
         }
     };
     for (const Sighting& s : n.sightings) {
@@ -28,20 +27,17 @@ std::optional<Pinhole> linear_fit(Normalised& n) {
         accumulate({0, 0, 0, 0, x, y, z, 1, -s.v * x, -s.v * y, -s.v * z, -s.v});
     }
     for (std::size_t i = 0; i < 12; ++i) {
-        for (std::size_t j = 0; j < i; ++j)
-            normal[i][j] = normal[j][i];
+        for (std::size_t j = 0; j < i; ++j) normal[i][j] = normal[j][i];
     }
     const Eigen<12> eigen = symmetric_eigen(normal);
     std::array<Vector3, 3> m{};
     Vector3 t{};
     double in_front = 0;
     for (std::size_t i = 0; i < 3; ++i) {
-        for (std::size_t j = 0; j < 3; ++j)
-            m[i][j] = eigen.vectors[4 * i + j][0];
+        for (std::size_t j = 0; j < 3; ++j) m[i][j] = eigen.vectors[4 * i + j][0];
         t[i] = eigen.vectors[4 * i + 3][0];
     }
-    for (const Sighting& s : n.sightings)
-        in_front += dot(m[2], s.point) + t[2] > 0 ? 1 : -1;
+    for (const Sighting& s : n.sightings) in_front += dot(m[2], s.point) + t[2] > 0 ? 1 : -1;
     if (in_front < 0) {
         for (std::size_t i = 0; i < 3; ++i) {
             m[i] = scaled(m[i], -1);
@@ -53,10 +49,8 @@ std::optional<Pinhole> linear_fit(Normalised& n) {
     if (determinant(pinhole->rotation) < 0) {
         // A left-handed world: fit its mirror image with a proper rotation.
         n.mirrored = true;
-        for (Sighting& s : n.sightings)
-            s.point[2] = -s.point[2];
-        for (Vector3& row : pinhole->rotation)
-            row[2] = -row[2];
+        for (Sighting& s : n.sightings) s.point[2] = -s.point[2];
+        for (Vector3& row : pinhole->rotation) row[2] = -row[2];
     }
     return pinhole;
 }
@@ -92,8 +86,7 @@ std::optional<Camera> affine_fit(const Normalised& n, std::span<const std::uint8
         for (std::size_t r = 0; r < 4; ++r) {
             bu[r] += row[r] * s.u;
             bv[r] += row[r] * s.v;
-            for (std::size_t k = 0; k < 4; ++k)
-                a[r][k] += row[r] * row[k];
+            for (std::size_t k = 0; k < 4; ++k) a[r][k] += row[r] * row[k];
         }
     }
     Vector<4> u{}, v{};
@@ -115,8 +108,7 @@ void step_back(Camera& camera, std::span<const Sighting> sightings) {
         farthest = std::max(farthest, planar_depth(camera, s.point));
     }
     const double back = std::max(0.1 * (farthest - nearest), 1e-6) - nearest;
-    for (std::size_t i = 0; i < 3; ++i)
-        camera.camera_to_world[4 * i + 3] += back * camera.camera_to_world[4 * i + 2];
+    for (std::size_t i = 0; i < 3; ++i) camera.camera_to_world[4 * i + 3] += back * camera.camera_to_world[4 * i + 2];
 }
 
 /// Sum of squared pixel errors of the kept sightings.
@@ -156,8 +148,7 @@ std::optional<CameraFit> fit_camera(std::span<const Sighting> sightings, const W
     Matrix<3> spread{};
     for (const Sighting& s : n.sightings) {
         for (std::size_t i = 0; i < 3; ++i) {
-            for (std::size_t j = 0; j < 3; ++j)
-                spread[i][j] += s.point[i] * s.point[j];
+            for (std::size_t j = 0; j < 3; ++j) spread[i][j] += s.point[i] * s.point[j];
         }
     }
     const Eigen<3> axes = symmetric_eigen(spread);

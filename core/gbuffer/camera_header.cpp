@@ -21,8 +21,7 @@ using Matrix4 = std::array<double, 16>;  // row-major, for column vectors
 Matrix4 transpose(const Matrix4& m) {
     Matrix4 t{};
     for (std::size_t i = 0; i < 4; ++i) {
-        for (std::size_t j = 0; j < 4; ++j)
-            t[4 * i + j] = m[4 * j + i];
+        for (std::size_t j = 0; j < 4; ++j) t[4 * i + j] = m[4 * j + i];
     }
     return t;
 }
@@ -66,8 +65,7 @@ std::optional<Matrix4> rigid(Matrix4 m) {
     for (std::size_t j = 0; j < 3; ++j) {
         const double size = std::sqrt(m[j] * m[j] + m[4 + j] * m[4 + j] + m[8 + j] * m[8 + j]);
         if (!(size > 1e-12) || !std::isfinite(size)) return std::nullopt;
-        for (std::size_t i = 0; i < 3; ++i)
-            m[4 * i + j] /= size;
+        for (std::size_t i = 0; i < 3; ++i) m[4 * i + j] /= size;
     }
     return m;
 }

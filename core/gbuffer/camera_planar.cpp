@@ -62,8 +62,7 @@ std::optional<Pinhole> planar_fit(const Normalised& n, const Matrix<3>& axes, co
     Matrix<9> normal{};
     const auto accumulate = [&](const std::array<double, 9>& row) {
         for (std::size_t i = 0; i < 9; ++i) {
-            for (std::size_t j = 0; j < 9; ++j)
-                normal[i][j] += row[i] * row[j];
+            for (std::size_t j = 0; j < 9; ++j) normal[i][j] += row[i] * row[j];
         }
     };
     const double cx = (display.x + display.width / 2.0 - n.u0) * n.pixel_scale;
@@ -82,8 +81,7 @@ std::optional<Pinhole> planar_fit(const Normalised& n, const Matrix<3>& axes, co
     if (depths) return planar_fit_by_depth(n, axes, aspect, cx, cy, height);
     const Eigen<9> eigen = symmetric_eigen(normal);
     Matrix<3> h{};
-    for (std::size_t i = 0; i < 9; ++i)
-        h[i / 3][i % 3] = eigen.vectors[i][0];
+    for (std::size_t i = 0; i < 9; ++i) h[i / 3][i % 3] = eigen.vectors[i][0];
     const auto column = [&](std::size_t j) { return Vector3{h[0][j], h[1][j], h[2][j]}; };
     Vector3 h1 = column(0), h2 = column(1), h3 = column(2);
     // With ω = diag(1/f², 1/f², 1): h1·ω·h2 = 0 and h1·ω·h1 = h2·ω·h2. Both in the least-squares sense.

@@ -80,16 +80,14 @@ void refine(Pinhole& p, std::span<const Sighting> sightings, std::span<const std
             const double ru = p.fx * x + p.cx - s.u, rv = p.fy * y + p.cy - s.v;
             for (std::size_t r = 0; r < 10; ++r) {
                 b[r] -= ju[r] * ru + jv[r] * rv;
-                for (std::size_t k = 0; k <= r; ++k)
-                    a[r][k] += ju[r] * ju[k] + jv[r] * jv[k];
+                for (std::size_t k = 0; k <= r; ++k) a[r][k] += ju[r] * ju[k] + jv[r] * jv[k];
             }
         }
         if (!free_lens) a[7][7] = a[8][8] = a[9][9] = 1;
         bool better = false;
         for (int attempt = 0; attempt < 8 && !better; ++attempt) {
             Matrix<10> damped = a;
-            for (std::size_t r = 0; r < 10; ++r)
-                damped[r][r] *= 1 + damping;
+            for (std::size_t r = 0; r < 10; ++r) damped[r][r] *= 1 + damping;
             Vector<10> d{};
             if (!solve(damped, b, d)) {
                 damping = damping * 10 + 1e-12;

@@ -363,11 +363,12 @@ private:
             depth.kind = DepthKind::planar;
             depth.info.reason +=
                 format("; the positions agree with a depth along the axis (median %.2g)", planar_error);
-        } else if (ray_error < kSame && !depth.near) {
+        } else if (ray_error < kSame && (!depth.near || depth.near_assumed)) {
+            depth.near.reset();
             depth.kind = DepthKind::ray;
             depth.info.reason += format("; the positions agree with a depth along the ray (median %.2g)", ray_error);
         } else if (depth.kind == DepthKind::ray && shift > 0 && shift_spread < 0.05 * shift) {
-            if (!depth.near) depth.near = shift;
+            if (!depth.near || depth.near_assumed) depth.near = shift;
             depth.info.reason += format("; the positions put its start at a near plane at %.4g", shift);
         } else {
             impl_.notes.push_back(

@@ -255,7 +255,8 @@ constexpr std::array kRows{
                .names = "depth|dd|dd.y",
                .components = "T",
                .depth = DepthKind::ray,
-               .reason = "Mitsuba's depth AOV: along the ray, from the near plane on"},
+               .near = 0.01,
+               .reason = "Mitsuba's depth AOV: along the ray, from the near plane on (0.01 by default)"},
     ChannelRow{.producer = mitsuba, .semantic = "base_color", .names = "albedo", .reason = "Mitsuba's albedo AOV"},
     ChannelRow{.producer = mitsuba,
                .semantic = "object_id",
@@ -333,6 +334,12 @@ constexpr std::array kRows{
                .reason = "estimators predict normals in camera space"},
     ChannelRow{
         .producer = ml, .semantic = "base_color", .names = "basecolor|albedo", .reason = "the estimated base colour"},
+    ChannelRow{.producer = ml,
+               .semantic = "depth",
+               .names = "depth|zdepth",
+               .averaged = false,
+               .normalised = true,
+               .reason = "estimators write depths between 0 and 1"},
 
     // Any producer.
     ChannelRow{

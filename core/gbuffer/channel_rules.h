@@ -60,10 +60,12 @@ struct ChannelRow {
     Space space = Space::world;
     std::string_view flip{};
     DepthKind depth = DepthKind::planar;
-    bool averaged = true;    ///< false: one sample, never mixed (only where the producer averages at all)
-    bool two_sided = false;  ///< the normal is not turned to the viewer
-    bool invert = false;     ///< glossiness
-    bool fallback = false;   ///< last resort: taken only when nothing else in the file will do
+    bool averaged = true;     ///< false: one sample, never mixed (only where the producer averages at all)
+    double near = 0;          ///< depths along the ray: where the producer lets them start unless told otherwise
+    bool normalised = false;  ///< depths between 0 and 1: worth nothing without near and far
+    bool two_sided = false;   ///< the normal is not turned to the viewer
+    bool invert = false;      ///< glossiness
+    bool fallback = false;    ///< last resort: taken only when nothing else in the file will do
     std::string_view reason{};
 };
 std::span<const ChannelRow> channel_rows();

@@ -9,10 +9,8 @@
 namespace relume::gbuffer {
 
 /// Small dense matrices in double precision, for camera recovery.
-template <std::size_t N>
-using Matrix = std::array<std::array<double, N>, N>;
-template <std::size_t N>
-using Vector = std::array<double, N>;
+template <std::size_t N> using Matrix = std::array<std::array<double, N>, N>;
+template <std::size_t N> using Vector = std::array<double, N>;
 
 using Vector3 = Vector<3>;
 
@@ -30,8 +28,7 @@ inline Matrix<3> times(const Matrix<3>& a, const Matrix<3>& b) {
     Matrix<3> result{};
     for (std::size_t i = 0; i < 3; ++i) {
         for (std::size_t j = 0; j < 3; ++j) {
-            for (std::size_t k = 0; k < 3; ++k)
-                result[i][j] += a[i][k] * b[k][j];
+            for (std::size_t k = 0; k < 3; ++k) result[i][j] += a[i][k] * b[k][j];
         }
     }
     return result;
@@ -39,31 +36,26 @@ inline Matrix<3> times(const Matrix<3>& a, const Matrix<3>& b) {
 inline Matrix<3> transposed(const Matrix<3>& m) {
     Matrix<3> result{};
     for (std::size_t i = 0; i < 3; ++i) {
-        for (std::size_t j = 0; j < 3; ++j)
-            result[i][j] = m[j][i];
+        for (std::size_t j = 0; j < 3; ++j) result[i][j] = m[j][i];
     }
     return result;
 }
 
 /// Eigenvalues (ascending) and eigenvectors (column k of `vectors` belongs to values[k]) of a symmetric matrix, by
 /// cyclic Jacobi rotations (Golub, Van Loan 2013, section 8.5).
-template <std::size_t N>
-struct Eigen {
+template <std::size_t N> struct Eigen {
     Vector<N> values{};
     Matrix<N> vectors{};
 };
 
-template <std::size_t N>
-Eigen<N> symmetric_eigen(Matrix<N> a) {
+template <std::size_t N> Eigen<N> symmetric_eigen(Matrix<N> a) {
     Matrix<N> v{};
-    for (std::size_t i = 0; i < N; ++i)
-        v[i][i] = 1;
+    for (std::size_t i = 0; i < N; ++i) v[i][i] = 1;
     for (int sweep = 0; sweep < 60; ++sweep) {
         double off = 0, diagonal = 0;
         for (std::size_t i = 0; i < N; ++i) {
             diagonal += a[i][i] * a[i][i];
-            for (std::size_t j = i + 1; j < N; ++j)
-                off += a[i][j] * a[i][j];
+            for (std::size_t j = i + 1; j < N; ++j) off += a[i][j] * a[i][j];
         }
         if (!(off > 1e-40 * diagonal)) break;
         for (std::size_t p = 0; p < N; ++p) {
@@ -89,8 +81,7 @@ Eigen<N> symmetric_eigen(Matrix<N> a) {
         }
     }
     Eigen<N> result;
-    for (std::size_t i = 0; i < N; ++i)
-        result.values[i] = a[i][i];
+    for (std::size_t i = 0; i < N; ++i) result.values[i] = a[i][i];
     result.vectors = v;
     for (std::size_t i = 0; i < N; ++i) {
         std::size_t smallest = i;
@@ -98,35 +89,29 @@ Eigen<N> symmetric_eigen(Matrix<N> a) {
             if (result.values[j] < result.values[smallest]) smallest = j;
         }
         std::swap(result.values[i], result.values[smallest]);
-        for (std::size_t k = 0; k < N; ++k)
-            std::swap(result.vectors[k][i], result.vectors[k][smallest]);
+        for (std::size_t k = 0; k < N; ++k) std::swap(result.vectors[k][i], result.vectors[k][smallest]);
     }
     return result;
 }
 
 /// Solves a·x = b for a symmetric positive definite matrix by Cholesky's factorisation; false when it is not.
-template <std::size_t N>
-bool solve(Matrix<N> a, const Vector<N>& b, Vector<N>& x) {
+template <std::size_t N> bool solve(Matrix<N> a, const Vector<N>& b, Vector<N>& x) {
     for (std::size_t j = 0; j < N; ++j) {
-        for (std::size_t k = 0; k < j; ++k)
-            a[j][j] -= a[j][k] * a[j][k];
+        for (std::size_t k = 0; k < j; ++k) a[j][j] -= a[j][k] * a[j][k];
         if (!(a[j][j] > 0)) return false;
         a[j][j] = std::sqrt(a[j][j]);
         for (std::size_t i = j + 1; i < N; ++i) {
-            for (std::size_t k = 0; k < j; ++k)
-                a[i][j] -= a[i][k] * a[j][k];
+            for (std::size_t k = 0; k < j; ++k) a[i][j] -= a[i][k] * a[j][k];
             a[i][j] /= a[j][j];
         }
     }
     for (std::size_t i = 0; i < N; ++i) {
         x[i] = b[i];
-        for (std::size_t k = 0; k < i; ++k)
-            x[i] -= a[i][k] * x[k];
+        for (std::size_t k = 0; k < i; ++k) x[i] -= a[i][k] * x[k];
         x[i] /= a[i][i];
     }
     for (std::size_t i = N; i-- > 0;) {
-        for (std::size_t k = i + 1; k < N; ++k)
-            x[i] -= a[k][i] * x[k];
+        for (std::size_t k = i + 1; k < N; ++k) x[i] -= a[k][i] * x[k];
         x[i] /= a[i][i];
     }
     return true;

@@ -142,8 +142,7 @@ void choose_coverage(GBuffer::Impl& impl, const Sample& sample, int normal, int 
     }
     for (const CryptoLayer& layer : impl.crypto_layers) {
         std::vector<int> shares;
-        for (const auto& rank : layer.ranks)
-            shares.push_back(rank.second);
+        for (const auto& rank : layer.ranks) shares.push_back(rank.second);
         impl.coverage = {shares, "the sum of the coverages in Cryptomatte layer '" + layer.name + "'"};
         return;
     }
@@ -208,7 +207,10 @@ void apply_rule(Semantic& s, const ChannelRule& rule) {
         s.kind = *rule.kind;
         s.detect_kind = false;
     }
-    if (rule.near) s.near = rule.near;
+    if (rule.near) {
+        s.near = rule.near;
+        s.near_assumed = false;
+    }
     if (rule.far) s.far = rule.far;
     if (rule.invert) s.invert = *rule.invert;
     if (rule.premultiplied) s.averaged = *rule.premultiplied;
@@ -293,8 +295,7 @@ void finish(GBuffer::Impl& impl, const GBufferOptions& options) {
     if (!impl.coverage.raws.empty()) {
         ChannelInfo info;
         info.name = "coverage";
-        for (const int raw : impl.coverage.raws)
-            info.sources.push_back(impl.raws[static_cast<std::size_t>(raw)].name);
+        for (const int raw : impl.coverage.raws) info.sources.push_back(impl.raws[static_cast<std::size_t>(raw)].name);
         info.interpretation = "share of the pixel that surfaces cover";
         info.reason = impl.coverage.reason;
         if (!impl.find("coverage")) impl.infos.push_back(std::move(info));

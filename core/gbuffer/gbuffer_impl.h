@@ -67,6 +67,7 @@ struct Semantic {
     bool detect_encoding = false;  ///< to be settled by a sample of the pixels
     bool detect_space = false;
     bool detect_kind = false;
+    bool near_assumed = false;  ///< `near` is the producer's default: the positions may know better
 };
 
 /// Share of a pixel that the surface covers: Σ of the planes, or 1 where there is none.

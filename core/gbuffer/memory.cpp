@@ -126,8 +126,7 @@ GBuffer GBuffer::from_memory(int width, int height, const std::map<std::string, 
     }
     if (!impl->find("normal")) {
         std::string names;
-        for (const auto& entry : channels)
-            names += (names.empty() ? "" : ", ") + entry.first;
+        for (const auto& entry : channels) names += (names.empty() ? "" : ", ") + entry.first;
         throw Error(ErrorKind::channel,
                     "G-buffer in memory: no normal channel; given are " + (names.empty() ? "none" : names));
     }

@@ -38,22 +38,19 @@ struct Run {
 void scale(const Run& r) {
     const float* a = r.in(0);
     float* out = r.out(0);
-    for (int i = 0; i < r.count; ++i)
-        out[i] = a[i] * r.step.scale + r.step.offset;
+    for (int i = 0; i < r.count; ++i) out[i] = a[i] * r.step.scale + r.step.offset;
 }
 
 void divide(const Run& r) {
     const float *a = r.in(0), *b = r.in(1);
     float* out = r.out(0);
-    for (int i = 0; i < r.count; ++i)
-        out[i] = a[i] * b[i] * r.step.scale + r.step.offset;
+    for (int i = 0; i < r.count; ++i) out[i] = a[i] * b[i] * r.step.scale + r.step.offset;
 }
 
 void product(const Run& r) {
     const float *a = r.in(0), *b = r.in(1);
     float* out = r.out(0);
-    for (int i = 0; i < r.count; ++i)
-        out[i] = a[i] * b[i];
+    for (int i = 0; i < r.count; ++i) out[i] = a[i] * b[i];
 }
 
 void coverage(const Run& r) {
@@ -61,8 +58,7 @@ void coverage(const Run& r) {
     std::memcpy(share, r.registers[r.step.sum.front()], static_cast<std::size_t>(r.count) * sizeof(float));
     for (std::size_t k = 1; k < r.step.sum.size(); ++k) {
         const float* a = r.registers[r.step.sum[k]];
-        for (int i = 0; i < r.count; ++i)
-            share[i] += a[i];
+        for (int i = 0; i < r.count; ++i) share[i] += a[i];
     }
     for (int i = 0; i < r.count; ++i) {
         // The comparisons let NaN through: the shading pass counts it.
@@ -73,8 +69,7 @@ void coverage(const Run& r) {
 }
 
 /// Decoding, flips, the way to world space and unit length in one pass; without branches, so that it becomes SIMD code.
-template <bool kTransform>
-void direction(const Run& r, const float* share, const float* reciprocal) {
+template <bool kTransform> void direction(const Run& r, const float* share, const float* reciprocal) {
     const Step& s = r.step;
     const float *ax = r.in(0), *ay = r.in(1), *az = r.in(2);
     float *ox = r.out(0), *oy = r.out(1), *oz = r.out(2);
@@ -163,8 +158,7 @@ void point(const Run& r) {
         if (s.ray) {
             // The neighbour's depth, along this pixel's own ray.
             const std::array<double, 3> q = at_depth(r.geometry, r.x + i, depth_of(r.geometry, p[0], p[1], p[2]));
-            for (std::size_t k = 0; k < 3; ++k)
-                p[k] = static_cast<float>(q[k]);
+            for (std::size_t k = 0; k < 3; ++k) p[k] = static_cast<float>(q[k]);
         }
         ox[i] = p[0];
         oy[i] = p[1];
@@ -176,8 +170,7 @@ void point(const Run& r) {
 double ray_length(const RunGeometry& g, int column, int dy) {
     if (!g.perspective) return 1.0;
     std::array<double, 3> ray = ray_at(g, column);
-    for (std::size_t k = 0; k < 3; ++k)
-        ray[k] += dy * g.next_row[k];
+    for (std::size_t k = 0; k < 3; ++k) ray[k] += dy * g.next_row[k];
     return std::sqrt(ray[0] * ray[0] + ray[1] * ray[1] + ray[2] * ray[2]);
 }
 
@@ -202,8 +195,7 @@ void depth(const Run& r) {
 void depth_of_point(const Run& r) {
     const float *ax = r.in(0), *ay = r.in(1), *az = r.in(2);
     float* out = r.out(0);
-    for (int i = 0; i < r.count; ++i)
-        out[i] = static_cast<float>(depth_of(r.geometry, ax[i], ay[i], az[i]));
+    for (int i = 0; i < r.count; ++i) out[i] = static_cast<float>(depth_of(r.geometry, ax[i], ay[i], az[i]));
 }
 
 void point_at_depth(const Run& r) {
@@ -332,8 +324,7 @@ void identifier(const Run& r) {
         std::memcpy(out, r.in(0), static_cast<std::size_t>(r.count) * sizeof(std::uint32_t));
     } else {
         const float* a = r.in(0);
-        for (int i = 0; i < r.count; ++i)
-            out[i] = to_identifier(a[i]);
+        for (int i = 0; i < r.count; ++i) out[i] = to_identifier(a[i]);
     }
     if (!offset) return;
     for (int i = 0; i < r.count; ++i) {

@@ -45,8 +45,7 @@ std::vector<int> choose_rows(const Window& window, int chunk, bool in_memory, bo
         const int size = std::min(chunk, height - top);
         // Where the chunks are few they must give more rows each.
         const int wanted = std::min(size, std::max(kRowsPerBand, kRowsInMemory / bands));
-        for (int k = 0; k < wanted; ++k)
-            rows.push_back(window.y + top + (2 * k + 1) * size / (2 * wanted));
+        for (int k = 0; k < wanted; ++k) rows.push_back(window.y + top + (2 * k + 1) * size / (2 * wanted));
     }
     return rows;
 }
@@ -66,8 +65,7 @@ std::vector<SampledRow> sample_rows(const GBuffer::Impl& impl, std::span<const i
     for (std::size_t first = 0; first < rows.size();) {
         std::size_t last = first;
         const int chunk_index = (rows[first] - window.y) / chunk;
-        while (last + 1 < rows.size() && (rows[last + 1] - window.y) / chunk == chunk_index)
-            ++last;
+        while (last + 1 < rows.size() && (rows[last + 1] - window.y) / chunk == chunk_index) ++last;
         const int top = rows[first];
         const int height = rows[last] - top + 1;
         const std::size_t plane_size = width * static_cast<std::size_t>(height);

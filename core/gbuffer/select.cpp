@@ -44,8 +44,7 @@ int group_preference(const SourceFile& file, const Candidate& candidate, const C
 
 std::string join(const std::vector<std::string>& words) {
     std::string text;
-    for (const std::string& word : words)
-        text += (text.empty() ? "" : ", ") + word;
+    for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
     return text;
 }
 
@@ -139,8 +138,7 @@ Choice choose_group(const SourceFile& file, const std::vector<Candidate>& normal
     if (chosen == normals.end()) {
         const bool part_known = std::any_of(normals.begin(), normals.end(), part_fits);
         std::vector<std::string> labels;
-        for (const std::string& word : part_known ? all_views : groups)
-            labels.push_back(group_label(word));
+        for (const std::string& word : part_known ? all_views : groups) labels.push_back(group_label(word));
         throw Error(ErrorKind::channel, file.path.string() + ": no normal channel in " +
                                             (part_known ? "view '" + *options.view + "'; views with one: "
                                                         : "part '" + *options.part + "'; layers with one: ") +
@@ -149,8 +147,7 @@ Choice choose_group(const SourceFile& file, const std::vector<Candidate>& normal
     Choice choice{chosen->group, chosen->layer->view, {}};
     if (!options.part && groups.size() > 1) {
         std::vector<std::string> labels;
-        for (const std::string& group : groups)
-            labels.push_back(group_label(group));
+        for (const std::string& group : groups) labels.push_back(group_label(group));
         choice.notes.push_back("the file has " + std::to_string(groups.size()) + " layers with a normal (" +
                                join(labels) + "): '" + group_label(choice.group) +
                                "' is taken; `part` chooses another");
@@ -258,8 +255,7 @@ std::string contents(const SourceFile& file) {
                                        [&](const Component& component) { return told.contains(&component); });
         if (known || ++others > kMostOthers) continue;
         std::vector<std::string> names;
-        for (const Component& component : layer.components)
-            names.push_back(component.full_name);
+        for (const Component& component : layer.components) names.push_back(component.full_name);
         add(layer.label().empty() ? join(names) : "'" + std::string(layer.label()) + "'");
     }
     if (others > kMostOthers) text += " and " + std::to_string(others - kMostOthers) + " more layers";

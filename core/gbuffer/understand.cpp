@@ -77,6 +77,10 @@ private:
             choice_ = {options_.part.value_or(""), options_.view.value_or(first_view()), {}};
         } else {
             std::string advice = "name it with channels.normal";
+            const std::vector<io::Part>& parts = file(0).header.parts;
+            if (std::any_of(parts.begin(), parts.end(), [](const io::Part& part) { return part.deep; })) {
+                advice = "deep parts are not read, flatten them; or " + advice;
+            }
             if (file(0).producer.producer == Producer::blender) {
                 advice = "turn the Normal pass of the view layer on and save as OpenEXR MultiLayer, or " + advice;
             }
@@ -189,6 +193,12 @@ private:
         apply_row(s, *found->row);
         if (rule) apply_rule(s, *rule);
         used_.insert(found->layer);
+        if (found->row->normalised && !s.far) {
+            impl_->notes.push_back(
+                "the depth " + s.info.sources.front() +
+                " lies between 0 and 1 and nothing tells its range: it is not used; `near` and `far` give it");
+            return;
+        }
         if (semantic.name == "beauty") beauty_alpha_ = found->layer->find('A');
         if (semantic.name == "base_color") {
             base_alpha_ = found->layer->find('A');
@@ -328,6 +338,10 @@ private:
         s.averaged = row.averaged && producer.averaged && !plain;
         // What is not averaged though everything else is, is one sample.
         s.repair = (s.quantity == Quantity::point || s.quantity == Quantity::depth) && producer.averaged;
+        if (row.near > 0) {
+            s.near = row.near;
+            s.near_assumed = true;
+        }
         s.two_sided = row.two_sided;
         s.invert = row.invert;
         s.info.reason = row.reason;

@@ -25,7 +25,8 @@ std::optional<std::pair<std::string, std::string>> stated_working_space(const io
     Chromaticities stated{};
     std::copy(xy->begin(), xy->end(), stated.begin());
     if (const WorkingSpace* known = find_working_space(stated)) {
-        return std::pair(std::string(known->name), "the header's chromaticities are those of " + std::string(known->label));
+        return std::pair(std::string(known->name),
+                         "the header's chromaticities are those of " + std::string(known->label));
     }
     return std::pair(std::string("unknown"), std::string("the header's chromaticities are those of no known space"));
 }

@@ -31,8 +31,7 @@ std::vector<Sighting> sightings(const Camera& camera, const Window& data, double
             const double u = x + 0.5, v = y + 0.5;
             const double du = noise * error(random), dv = noise * error(random);
             Vector3 p = at_depth(camera, u + du, v + dv, test::hills(u, v, distance));
-            for (double& c : p)
-                c = static_cast<double>(static_cast<float>(c));
+            for (double& c : p) c = static_cast<double>(static_cast<float>(c));
             all.push_back({u, v, p, 0});
         }
     }
@@ -130,8 +129,7 @@ TEST(Camera, LeftHandedWorldsAreSeen) {
     Camera camera = look_at({3, -8, 4}, {0, 0, 1});
     test::set_lens(camera, kDisplay, 0.45);
     std::vector<Sighting> seen = sightings(camera, kDisplay, 8);
-    for (Sighting& s : seen)
-        s.point[1] = -s.point[1];
+    for (Sighting& s : seen) s.point[1] = -s.point[1];
     const CameraFit found = fit(seen);
     EXPECT_TRUE(found.mirrored);
     EXPECT_LT(found.median_error, 1e-3);
@@ -163,14 +161,12 @@ TEST(Camera, APlaneSeenSquarelyNeedsDepths) {
     test::set_lens(camera, kDisplay, 0.36);
     std::vector<Sighting> seen;
     for (int y = 0; y < 360; y += 5) {
-        for (int x = 0; x < 640; x += 5)
-            seen.push_back({x + 0.5, y + 0.5, at_depth(camera, x + 0.5, y + 0.5, 6), 0});
+        for (int x = 0; x < 640; x += 5) seen.push_back({x + 0.5, y + 0.5, at_depth(camera, x + 0.5, y + 0.5, 6), 0});
     }
     std::string why;
     EXPECT_FALSE(gbuffer::fit_camera(seen, kDisplay, 1, why));
     EXPECT_NE(why.find("plane"), std::string::npos);
-    for (Sighting& s : seen)
-        s.depth = 6;
+    for (Sighting& s : seen) s.depth = 6;
     const CameraFit found = fit(seen);
     EXPECT_LT(test::largest_pixel_difference(camera, found.camera, kDisplay, 6), 1e-6);
 }
@@ -180,12 +176,10 @@ TEST(Camera, DegeneratePositionsSayWhy) {
     std::vector<Sighting> seen;
     EXPECT_FALSE(gbuffer::fit_camera(seen, kDisplay, 1, why));
     EXPECT_NE(why.find("few"), std::string::npos);
-    for (int i = 0; i < 100; ++i)
-        seen.push_back({i + 0.5, 2 * i + 0.5, {i * 0.1, i * 0.2, i * 0.3}, 0});
+    for (int i = 0; i < 100; ++i) seen.push_back({i + 0.5, 2 * i + 0.5, {i * 0.1, i * 0.2, i * 0.3}, 0});
     EXPECT_FALSE(gbuffer::fit_camera(seen, kDisplay, 1, why));
     EXPECT_NE(why.find("line"), std::string::npos);
-    for (Sighting& s : seen)
-        s.point = {1, 2, 3};
+    for (Sighting& s : seen) s.point = {1, 2, 3};
     EXPECT_FALSE(gbuffer::fit_camera(seen, kDisplay, 1, why));
     // Nothing that any camera sees: the fit must not claim otherwise.
     std::mt19937 random(5);
@@ -203,8 +197,7 @@ TEST(Camera, ProjectionsAreTakenApart) {
     // Rows of world to camera, then pixels·depth.
     std::array<std::array<double, 4>, 3> view{};
     for (std::size_t i = 0; i < 3; ++i) {
-        for (std::size_t j = 0; j < 3; ++j)
-            view[i][j] = m[4 * j + i];
+        for (std::size_t j = 0; j < 3; ++j) view[i][j] = m[4 * j + i];
         view[i][3] = -(view[i][0] * m[3] + view[i][1] * m[7] + view[i][2] * m[11]);
     }
     std::array<double, 12> p{}, q{};

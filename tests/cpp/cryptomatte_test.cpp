@@ -69,8 +69,7 @@ TEST(Cryptomatte, DamagedManifestsAreNamed) {
     const std::string letters = "{}[]\":,\\u0aF\n";
     for (int i = 0; i < 20000; ++i) {
         std::string text = "{";
-        for (int k = 0; k < 20; ++k)
-            text += letters[random() % letters.size()];
+        for (int k = 0; k < 20; ++k) text += letters[random() % letters.size()];
         try {
             parse_manifest(text, "x");
         } catch (const Error&) {

@@ -75,8 +75,7 @@ TEST(GBufferData, EveryVariantIsUnderstood) {
         SCOPED_TRACE(expected.file);
         seen.insert(expected.file);
         const GBuffer gbuffer = GBuffer::read(folder / expected.file);
-        for (const std::string& name : expected.channels)
-            EXPECT_TRUE(gbuffer.find(name)) << name;
+        for (const std::string& name : expected.channels) EXPECT_TRUE(gbuffer.find(name)) << name;
         EXPECT_TRUE(gbuffer.producer().starts_with("Blender"));
         EXPECT_EQ(gbuffer.working_space(), expected.working_space);
         EXPECT_EQ(gbuffer.camera().has_value(), expected.camera) << gbuffer.camera_reason();
@@ -89,8 +88,7 @@ TEST(GBufferData, EveryVariantIsUnderstood) {
         for (const char* name : {"normal", "view"}) {
             for (const auto& component : test::ask(gbuffer, test::semantic(name, 3))) {
                 for (const auto& row : component) {
-                    for (const float v : row)
-                        ASSERT_TRUE(std::abs(v) <= 1.00001f) << name;
+                    for (const float v : row) ASSERT_TRUE(std::abs(v) <= 1.00001f) << name;
                 }
             }
         }
@@ -233,8 +231,7 @@ TEST(GBufferData, PositionFromDepthIsThePosition) {
             const test::Vector3 p = test::at_depth(*plain.camera(), static_cast<double>(i) + 0.5,
                                                    static_cast<double>(j) + 0.5, static_cast<double>(depth[0][j][i]));
             double square = 0;
-            for (std::size_t k = 0; k < 3; ++k)
-                square += std::pow(p[k] - static_cast<double>(position[k][j][i]), 2);
+            for (std::size_t k = 0; k < 3; ++k) square += std::pow(p[k] - static_cast<double>(position[k][j][i]), 2);
             errors.push_back(std::sqrt(square));
         }
     }

@@ -94,8 +94,7 @@ inline void write_exr(const std::filesystem::path& path, std::vector<MadePart> p
         const int rows = writer.rows_per_chunk();
         for (int y = 0; y < windows.data.height; y += rows) {
             std::vector<ConstPlane> band = planes;
-            for (ConstPlane& plane : band)
-                plane.data += y * plane.y_stride;
+            for (ConstPlane& plane : band) plane.data += y * plane.y_stride;
             writer.write(static_cast<int>(p), windows.data.y + y, std::min(rows, windows.data.height - y), band);
         }
     }

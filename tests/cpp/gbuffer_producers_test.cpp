@@ -275,6 +275,18 @@ TEST_F(Producers, Mitsuba) {
     EXPECT_NE(gbuffer.find("depth")->interpretation.find("near plane at 0.3"), std::string::npos)
         << gbuffer.find("depth")->interpretation;
     EXPECT_NE(gbuffer.find("normal")->interpretation.find("turned"), std::string::npos);
+
+    // Without positions the near plane is Mitsuba's own default, unless it is given.
+    std::erase_if(part.channels, [](const MadeChannel& channel) { return channel.name.starts_with("pos."); });
+    GBufferOptions options;
+    options.camera_matrix = scene.camera.camera_to_world;
+    options.fov = 2 * std::atan(0.45) * 180 / M_PI;
+    const auto depth_at = [&] {
+        return static_cast<double>(test::ask(read({part}, options), test::semantic("depth"))[0][7][9]);
+    };
+    EXPECT_NEAR(depth_at(), scene.depth(9, 7) - near + 0.01, 1e-4);
+    options.channels["depth"].near = near;
+    EXPECT_NEAR(depth_at(), scene.depth(9, 7), 1e-4);
 }
 
 TEST_F(Producers, Pbrt) {
@@ -412,6 +424,13 @@ TEST_F(Producers, EstimatorsAreCodedAndInCameraSpace) {
     EXPECT_LT(error_of(gbuffer, "position", seen_position), 1e-4);
     EXPECT_NE(gbuffer.find("depth")->interpretation.find("2 to 20"), std::string::npos);
     EXPECT_NE(gbuffer.camera_reason().find("field of view"), std::string_view::npos);
+
+    // A depth without its range places nothing.
+    options.channels.erase("depth");
+    const GBuffer flat = read({part}, options);
+    EXPECT_FALSE(flat.find("depth"));
+    EXPECT_FALSE(flat.find("position"));
+    EXPECT_TRUE(test::mentions(flat.notes(), "between 0 and 1"));
 
     // Without a camera one is assumed, and said so.
     options.fov.reset();

@@ -48,8 +48,7 @@ struct MadeScene {
         const std::array<double, 16>& m = camera.camera_to_world;
         std::array<double, 16> v{};
         for (std::size_t i = 0; i < 3; ++i) {
-            for (std::size_t j = 0; j < 3; ++j)
-                v[4 * i + j] = m[4 * j + i];
+            for (std::size_t j = 0; j < 3; ++j) v[4 * i + j] = m[4 * j + i];
             v[4 * i + 3] = -(m[i] * m[3] + m[4 + i] * m[7] + m[8 + i] * m[11]);
         }
         v[15] = 1;
@@ -73,8 +72,7 @@ inline VectorFunction constant(double r, double g, double b) {
 inline std::array<double, 16> transposed(const std::array<double, 16>& m) {
     std::array<double, 16> t{};
     for (std::size_t i = 0; i < 4; ++i) {
-        for (std::size_t j = 0; j < 4; ++j)
-            t[4 * i + j] = m[4 * j + i];
+        for (std::size_t j = 0; j < 4; ++j) t[4 * i + j] = m[4 * j + i];
     }
     return t;
 }
@@ -82,8 +80,7 @@ inline std::array<double, 16> product(const std::array<double, 16>& a, const std
     std::array<double, 16> c{};
     for (std::size_t i = 0; i < 4; ++i) {
         for (std::size_t j = 0; j < 4; ++j) {
-            for (std::size_t k = 0; k < 4; ++k)
-                c[4 * i + j] += a[4 * i + k] * b[4 * k + j];
+            for (std::size_t k = 0; k < 4; ++k) c[4 * i + j] += a[4 * i + k] * b[4 * k + j];
         }
     }
     return c;
