@@ -182,7 +182,7 @@ def _argument_help(row: Parameter) -> str:
         "boolean": "bool",
         "integer": "int",
     }.get(row.type, row.type)
-    limits = range_text(row)
+    limits = "" if row.type in ("boolean", "choice") else range_text(row)
     about = f"{shape}{', ' + limits if limits else ''}, default {default_text(row)}."
     return f"{row.name}: {about} {row.help}"
 

@@ -61,6 +61,14 @@ def test_shaders() -> None:
     assert "'ggx'" in ran.err and len(ran.err.splitlines()) == 1
 
 
+def test_first_sentence() -> None:
+    from relume.cli.shaders import first_sentence
+
+    assert first_sentence("D of [Walter2007, eq. 33], V = 1. The rest.") == "D of [Walter2007, eq. 33], V = 1."
+    assert first_sentence("One line.\ndistribution: ggx") == "One line."
+    assert first_sentence("No stop") == "No stop"
+
+
 def test_lights() -> None:
     ran = run_relume("lights")
     for name in light_types:

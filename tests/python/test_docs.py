@@ -178,7 +178,7 @@ def test_examples_run(tmp_path: Path) -> None:
     environment = os.environ | {"PATH": f"{programs}{os.pathsep}{os.environ['PATH']}"}
     count = 0
     for page in MANUAL:
-        folder = tmp_path / page.stem
+        folder = tmp_path / name(page).replace("/", "-")
         folder.mkdir()
         for info, text in fences(page, "sh", "python"):
             if "ci" not in info.split():

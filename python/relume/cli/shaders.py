@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -77,9 +78,9 @@ def show_list(rows: Iterable[tuple[str, str]]) -> None:
 
 
 def first_sentence(text: str) -> str:
-    """Up to the first full stop that ends a sentence."""
-    head, stop, _ = text.partition(". ")
-    return head + "." if stop else text
+    """Up to the first full stop that ends a sentence: a capital follows, or a new line ("eq. 33" goes on)."""
+    end = re.search(r"\.(?=\n|\s+[A-Z])|\n", text)
+    return text[: end.start()] + "." if end else text
 
 
 def show_entry(title: str, text: str, parameters: Iterable[Parameter]) -> None:
