@@ -23,7 +23,8 @@ struct BlenderPrincipled {
         "F = c0 + (1−c0)·(Fd(l·h)−Fd(1))/(1−Fd(1)) with c0 = mix(0.08·specular·mix(1, tint, specular_tint), base_color, metallic) and Fd "
         "the exact Fresnel of ior = 2/(1−√(0.08·specular))−1 [CookTorrance1982].\n"
         "sheen = sheen·mix(1, tint, sheen_tint)·(1−metallic)·(1−l·h)⁵·NdotL; clearcoat = clearcoat/4·D·G·Fd/(4·NdotV), D of GTR1 with alpha "
-        "= clearcoat_roughness², G of alpha 0.25, ior 1.5. tint = base_color over its luminance.\n"
+        "= clearcoat_roughness², G of alpha 0.25, ior 1.5. tint = base_color over its luminance (weights 0.3, 0.6, 0.1).\n"
+        "Anisotropic: alpha_x = min(1, roughness²/aspect), alpha_y = roughness²·aspect, aspect = √(1−0.9·anisotropic).\n"
         "Roughness below 0.018 (alpha² ≤ 1e-7) is a mirror, as in Cycles: no highlight of sun, point and spot lights. No energy is "
         "taken from the diffuse part by the highlight: the sum may pass 1 at grazing view. Reciprocal. Left out: subsurface and "
         "transmission, which need the scene, Multiscatter GGX, and the bump terminator, which needs the normal before the bump.";
@@ -92,7 +93,7 @@ struct BlenderPrincipled {
         const T metallic = saturate(p.metallic);
         const T dielectric = one - metallic;
         const T f0 = constant<T>(0.08) * max(p.specular, zero);
-        const Color<T> tint = tint_of(p.base_color, kLuminanceRec709);
+        const Color<T> tint = tint_of(p.base_color, kLuminanceBurley);
         const Color<T> c0 = scale(lerp(splat(one), tint, saturate(p.specular_tint)), f0);
         out.color[0] = scale(p.base_color, dielectric * constant<T>(kInvPi));
         out.color[1] = scale(lerp(splat(one), tint, saturate(p.sheen_tint)), saturate(p.sheen) * dielectric);
@@ -116,7 +117,7 @@ struct BlenderPrincipled {
             rotated_frame(g, p.anisotropic_rotation, out.tangent, out.bitangent);
             const T aspect = sqrt(fma(out.anisotropic, constant<T>(-0.9), one));
             const T bounded = max(alpha, constant<T>(3.16e-4));
-            out.alpha_x = bounded * rcp(aspect);
+            out.alpha_x = min(bounded * rcp(aspect), one);  // Cycles bounds both
             out.alpha_y = bounded * aspect;
             out.masking_v = select(rough, ggx_half_masking_anisotropic(out.alpha_x, out.alpha_y, dot(out.tangent, g.v), dot(out.bitangent, g.v), g.n_dot_v), zero);
         }

@@ -23,7 +23,7 @@ struct Principled {
         "0.001), aspect = √(1−0.9·anisotropic). Gs = g(l)·g(v), g(x) = 1/(n·x+√((ax·t·x)²+(ay·b·x)²+(n·x)²)). Fs = mix(c0, 1, FH), c0 = "
         "mix(0.08·specular·mix(1, tint, specular_tint), base_color, metallic). Clearcoat: GTR1 [Burley2012, eq. 4] of alpha mix(0.1, "
         "0.001, clearcoat_gloss), masking of alpha 0.25, F0 = 0.04. tint = base_color over its luminance (weights 0.3, 0.6, 0.1).\n"
-        "Diffuse lobe: base and sheen; specular lobe: highlight and clearcoat. Reciprocal. Not energy conserving: albedo to 1.58. "
+        "Diffuse lobe: base and sheen; specular lobe: highlight and clearcoat. Reciprocal. Not energy conserving: albedo to 1.67, with subsurface to 1.83. "
         "Subsurface is a shape of the diffuse lobe, no light travels between pixels.\n"
         "variant mitsuba, as Mitsuba 3's principled: exact dielectric Fresnel of eta = 2/(1−√(0.08·specular))−1, clearcoat masking "
         "without the 1/(4·NdotL·NdotV), Rec.709 weights in the tint, no highlight of a dielectric at specular 0.";
@@ -69,7 +69,6 @@ struct Principled {
     static constexpr bool lit_from_below = false;
     static constexpr Lobe terms[] = {Lobe::diffuse, Lobe::diffuse, Lobe::specular, Lobe::specular};
 
-    static constexpr LuminanceWeights kBurleyWeights{0.3, 0.6, 0.1};  // disney.brdf's own, "luminance approx."
     static constexpr double kCoatMasking2 = 0.25 * 0.25;
 
     template <class T>
@@ -91,7 +90,7 @@ struct Principled {
         Prepared<T> out;
         const T metallic = saturate(p.metallic), dielectric = one - metallic;
         const T f0 = constant<T>(0.08) * max(p.specular, zero);
-        const Color<T> tint = o.variant == mitsuba ? tint_of(p.base_color, kLuminanceRec709) : tint_of(p.base_color, kBurleyWeights);
+        const Color<T> tint = o.variant == mitsuba ? tint_of(p.base_color, kLuminanceRec709) : tint_of(p.base_color, kLuminanceBurley);
         out.color[0] = scale(p.base_color, dielectric * constant<T>(kInvPi));
         out.color[1] = scale(lerp(splat(one), tint, saturate(p.sheen_tint)), saturate(p.sheen) * dielectric);
         const T specular_tint = saturate(p.specular_tint);

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "physics/shader_model.h"
+#include "../physics/shader_model.h"
 
 namespace relume::testing {
 

@@ -10,6 +10,7 @@ struct LuminanceWeights {
     double r, g, b;
 };
 inline constexpr LuminanceWeights kLuminanceRec709{0.2126, 0.7152, 0.0722};
+inline constexpr LuminanceWeights kLuminanceBurley{0.3, 0.6, 0.1};  // disney.brdf's approximation, Blender 3's too
 
 template <class T>
 RELUME_INLINE T luminance(const Color<T>& c, const LuminanceWeights& w) {
