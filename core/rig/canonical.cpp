@@ -61,7 +61,7 @@ public:
 
     [[noreturn]] void wrong_type() const {
         const auto* text = std::get_if<std::string>(&value_);
-        const bool channel = text != nullptr && takes_channel(row_);
+        const bool channel = text != nullptr && text->size() <= kLongestHint && takes_channel(row_);
         throw Problem(Problem::Cause::type, name() + " takes " + expectation(row_) + ", not " + describe(value_),
                       channel ? "; a channel is written { channel = " + string_text(*text) + " }" : "");
     }

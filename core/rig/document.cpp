@@ -174,6 +174,24 @@ bool is_word(std::string_view text) {
     return !text.empty() && !(text[0] >= '0' && text[0] <= '9') && text[0] != '-' && std::all_of(text.begin(), text.end(), in_word);
 }
 
+/// As RFC 3629 has it: no overlong forms, no surrogates, nothing above U+10FFFF.
+bool is_utf8(std::string_view text) {
+    for (std::size_t at = 0; at < text.size();) {
+        const auto lead = static_cast<unsigned char>(text[at++]);
+        if (lead < 0x80) continue;
+        const int more = lead >= 0xF0 ? 3 : lead >= 0xE0 ? 2 : 1;
+        if (lead < 0xC2 || lead > 0xF4) return false;
+        char32_t code = lead & (0x3Fu >> more);
+        for (int k = 0; k < more; ++k, ++at) {
+            if (at >= text.size() || (static_cast<unsigned char>(text[at]) & 0xC0u) != 0x80u) return false;
+            code = (code << 6) | (static_cast<unsigned char>(text[at]) & 0x3Fu);
+        }
+        constexpr char32_t kLeast[] = {0, 0x80, 0x800, 0x10000};
+        if (code < kLeast[more] || code > 0x10FFFF || (code >= 0xD800 && code <= 0xDFFF)) return false;
+    }
+    return true;
+}
+
 /// The line of a syntax error, and what is often meant by it.
 std::string shown_line(std::string_view line) {
     const std::size_t equals = line.find('=');
@@ -181,7 +199,7 @@ std::string shown_line(std::string_view line) {
     std::string hint;
     if (value == "True" || value == "False" || value == "yes" || value == "no" || value == "on" || value == "off")
         hint = "; write true or false";
-    else if (value != "true" && value != "false" && is_word(value)) hint = "; a string stands in quotes: " + string_text(value);
+    else if (value != "true" && value != "false" && value.size() <= kLongestHint && is_word(value)) hint = "; a string stands in quotes: " + string_text(value);
     return line.empty() ? hint : ", in " + in_quotes(line) + hint;
 }
 
@@ -229,6 +247,7 @@ Node::Table parse(const Source& source) {
 }
 
 Node parse_value(std::string_view text) {
+    if (!is_utf8(text)) throw Problem(Problem::Cause::type, "the value is not UTF-8", "; a rig holds nothing else");
     const std::string word(trimmed(text));
     const Node bare{{}, Value(word)};
     // One value on one line; a second line could bring keys of its own.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string>
 #include <string_view>
@@ -30,6 +31,9 @@ private:
     std::string message_;
     std::string hint_;
 };
+
+/// Longer texts than this are not repeated in full in a hint.
+inline constexpr std::size_t kLongestHint = 60;
 
 /// The text in single quotes, on one line: control characters escaped, cut after some 60 bytes.
 std::string in_quotes(std::string_view text);

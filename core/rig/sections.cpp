@@ -217,7 +217,7 @@ void require_channel_name(std::string_view name, const Value* source) {
     const std::string near = nearest_name(name, names);
     // N = "normal", the wrong way round.
     const auto* text = source == nullptr ? nullptr : std::get_if<std::string>(source);
-    if (text != nullptr && std::find(names.begin(), names.end(), *text) != names.end())
+    if (text != nullptr && name.size() <= kLongestHint && std::find(names.begin(), names.end(), *text) != names.end())
         throw Problem(Problem::Cause::name, "unknown channel " + in_quotes(name) + " in [gbuffer.channels]",
                       "; what it is stands first: " + *text + " = " + string_text(name));
     throw Problem(Problem::Cause::name, "unknown channel " + in_quotes(name) + " in [gbuffer.channels]",
