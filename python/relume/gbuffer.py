@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -47,7 +48,7 @@ class GBuffer:
         *,
         normal: ArrayLike,
         channels: ChannelRules | None = None,
-        camera: ArrayLike | Mapping[str, object] | None = None,
+        camera: ArrayLike | Mapping[str, object] | Camera | None = None,
         alpha: ArrayLike | str | None = None,
         working_space: str | None = None,
         **arrays: ArrayLike,
@@ -60,7 +61,8 @@ class GBuffer:
             channels: how arrays are stored, by name: ``{"normal": {"space": "camera", "encoding": "0..1"}}``. The keys
                 are those of a rig's [gbuffer.channels].
             camera: (4, 4) camera-to-world matrix (column vectors, looks down -Z, +Y up), or a mapping of the keys of a
-                rig's [camera]: ``{"matrix": m, "fov": 39.6}``. Recovered from ``position`` where that is given.
+                rig's [camera]: ``{"matrix": m, "fov": 39.6}``, or the camera of another G-buffer. Recovered from
+                ``position`` where that is given.
             alpha: (H, W) the beauty's alpha; or "premultiplied" or "straight", which is what the beauty's colours are.
             working_space: what the colours are in, "lin_rec709" by default.
             arrays: by semantic name. beauty (H, W, 3 or 4), coverage, position (H, W, 3), view (H, W, 3) unit
@@ -77,6 +79,7 @@ class GBuffer:
         self._arrays = {name: _without_copy(name, array) for name, array in given.items() if array is not None}
         options = _options(None, None, None, mode, working_space, channels, camera)
         self._gbuffer = _relume.GBuffer.from_arrays(self._arrays, options._rig)
+        _check_camera(camera, self._gbuffer.camera)
 
     @classmethod
     def read(
@@ -90,7 +93,7 @@ class GBuffer:
         alpha: str | None = None,
         working_space: str | None = None,
         channels: ChannelRules | None = None,
-        camera: ArrayLike | Mapping[str, object] | None = None,
+        camera: ArrayLike | Mapping[str, object] | Camera | None = None,
     ) -> GBuffer:
         """Understand a file. Its headers are read now, its pixels when they are needed.
 
@@ -129,6 +132,7 @@ class GBuffer:
         result = cls.__new__(cls)
         result._arrays = {}
         result._gbuffer = _relume.GBuffer.read(Path(main), options._rig)
+        _check_camera(camera, result._gbuffer.camera)
         return result
 
     @property
@@ -259,7 +263,7 @@ def _options(
     alpha: str | None,
     working_space: str | None,
     channels: ChannelRules | None,
-    camera: ArrayLike | Mapping[str, object] | None,
+    camera: ArrayLike | Mapping[str, object] | Camera | None,
 ) -> Rig:
     """A rig whose [gbuffer] and [camera] say all that was given."""
     options = rig.copy() if rig is not None else Rig()
@@ -275,12 +279,33 @@ def _options(
     if isinstance(camera, Mapping):
         for key, value in camera.items():
             setattr(options.camera, str(key), value)
+    elif isinstance(camera, _relume.Camera):
+        options.camera.matrix = camera.matrix
+        options.camera.projection = camera.projection
+        if camera.projection == "perspective":
+            options.camera.fov = 2 * math.degrees(math.atan(-camera.x_offset))
+        else:
+            options.camera.width = -2 * camera.x_offset
     elif camera is not None:
-        matrix = np.asarray(camera, dtype=np.float64)
+        try:
+            matrix = np.asarray(camera, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise ArgumentError(f"camera: a {type(camera).__name__}; give a (4, 4) matrix, camera to world") from None
         if matrix.shape != (4, 4):
             raise ArgumentError(f"camera: a matrix of shape {matrix.shape}; give (4, 4), camera to world")
         options.camera.matrix = matrix
     return options
+
+
+def _check_camera(given: object, taken: Camera | None) -> None:
+    """A camera of another G-buffer is handed on as a field of view, which says nothing of crops and lens shifts."""
+    if not isinstance(given, _relume.Camera):
+        return
+    lens = [(c.x_scale, c.x_offset, c.y_scale, c.y_offset) for c in (given, taken) if c is not None]
+    if len(lens) < 2 or not np.allclose(lens[0], lens[1], rtol=1e-6, atol=1e-9):
+        raise ArgumentError(
+            "camera: it is of a picture of another size, or off-centre; give positions, or matrix and fov"
+        )
 
 
 def main_file(path: str | os.PathLike[str] | None, options: Rig) -> str:

@@ -124,6 +124,23 @@ def test_camera() -> None:
     assert camera.x_scale * 7 + camera.x_offset == pytest.approx(1)
 
 
+def test_camera_of_another() -> None:
+    normal = arrays()["normal"]
+    matrix = np.eye(4)
+    matrix[:3, 3] = 1, 2, 3
+    for lens in ({"fov": 50.0}, {"projection": "orthographic", "width": 4.0}):
+        first = GBuffer(normal=normal, camera={"matrix": matrix} | lens).camera
+        second = GBuffer(normal=normal, camera=first).camera
+        assert first is not None and second is not None
+        np.testing.assert_array_equal(second.matrix, matrix)
+        assert second.projection == first.projection
+        assert second.x_scale == pytest.approx(first.x_scale)
+        with pytest.raises(relume.ArgumentError, match="another size"):
+            GBuffer(normal=normal[:3], camera=first)
+    with pytest.raises(relume.ArgumentError, match="matrix"):
+        GBuffer(normal=normal, camera=object())
+
+
 @pytest.mark.parametrize(
     ("name", "array", "says"),
     [
