@@ -176,7 +176,7 @@ private:
         if (key == "use") {
             rigfile::set_shader_use(shader, as_text(value(shader_key_parameters(), key), in_quotes(dotted_)));
         } else if (const auto* table = node_.table()) {
-            const std::string what = rigfile::shader_label(shader) + ": " + key;
+            const std::string what = rigfile::shader_label(shader) + ": " + rigfile::one_line(key);
             ParameterValues values;
             for (const rigfile::Entry& entry : table->entries)
                 values.set(channel_ref_parameters(), entry.key, for_row(nullptr, entry.node, {}, in_quotes(dotted_)), what);

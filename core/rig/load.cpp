@@ -103,8 +103,8 @@ private:
         if (entry.key == "original_light")
             throw Error(ErrorKind::rig, "[[original_light]] at " + source.place(entry.at) + " is not in this version of relume; remove it");
         const bool list = std::holds_alternative<Node::Tables>(entry.node.data);
-        const std::string what = entry.node.table() != nullptr ? "section [" + entry.key + "]"
-                                 : list                        ? "section [[" + entry.key + "]]"
+        const std::string what = entry.node.table() != nullptr ? "section [" + one_line(entry.key) + "]"
+                                 : list                        ? "section [[" + one_line(entry.key) + "]]"
                                                                : "key " + in_quotes(entry.key);
         throw Problem(Problem::Cause::name, "unknown " + what, suggestion(entry.key, kSections)).at(source.place(entry.at));
     }
@@ -115,7 +115,7 @@ private:
         const auto* value = std::get_if<Value>(&entry.node.data);
         try {
             if (value == nullptr)
-                throw Problem(Problem::Cause::type, std::string(what) + ": " + entry.key + " cannot be " + entry.node.describe());
+                throw Problem(Problem::Cause::type, std::string(what) + ": " + one_line(entry.key) + " cannot be " + entry.node.describe());
             set(*value);
         } catch (const Problem& problem) {
             throw problem.at(source.place(entry.at));
@@ -307,7 +307,7 @@ private:
             apply(source, entry, shader_label(shader), [&](const Value& value) { set_shader(shader, entry.key, value); });
             return;
         }
-        const std::string what = shader_label(shader) + ": " + entry.key;
+        const std::string what = shader_label(shader) + ": " + one_line(entry.key);
         ParameterValues values;
         for (const Entry& key : table->entries)
             apply(source, key, what, [&](const Value& value) { values.set(channel_ref_parameters(), key.key, value, what); });

@@ -79,9 +79,9 @@ std::string nearest_name(std::string_view word, std::span<const std::string_view
 
 namespace rigfile {
 
-std::string in_quotes(std::string_view text) {
+std::string one_line(std::string_view text) {
     constexpr std::size_t kMost = 60;
-    std::string out = "'";
+    std::string out;
     std::size_t i = 0;
     for (; i < text.size(); ++i) {
         const auto c = static_cast<unsigned char>(text[i]);
@@ -92,8 +92,10 @@ std::string in_quotes(std::string_view text) {
         else if (c < 0x20 || c == 0x7F) (out += "\\x") += {kDigits[c >> 4], kDigits[c & 15]};
         else out += text[i];
     }
-    return out + (i < text.size() ? "…'" : "'");
+    return out + (i < text.size() ? "…" : "");
 }
+
+std::string in_quotes(std::string_view text) { return "'" + one_line(text) + "'"; }
 
 std::string suggestion(std::string_view word, std::span<const std::string_view> candidates) {
     if (const std::string near = nearest_name(word, candidates); !near.empty()) return "; did you mean '" + near + "'?";

@@ -144,6 +144,18 @@ TEST(RigMistakes, Syntax) {
     }
 }
 
+TEST(RigMistakes, KeysWithLineBreaksStayOnOneLine) {
+    const std::string key = "\"a\\nb\"";
+    for (const std::string& text : {key + " = 1", "[" + key + "]", "[[" + key + "]]", "[[shader]]\nuse = 'ggx'\n" + key + " = { x = 1 }",
+                                    "[[shader]]\nuse = 'ggx'\n" + key + " = { channel = 'x' }", "[[light]]\ntype = 'sun'\n" + key + " = { x = 1 }",
+                                    "[[light]]\ntype = 'sun'\nname = " + key + "\nx = 1", "[gbuffer]\n" + key + " = 1979-05-27", "[gbuffer.channels]\n" + key + " = { x = 1 }",
+                                    "[output]\n" + key + " = []", "[camera]\n" + key + " = {}"}) {
+        const std::string message = refusal(text);
+        EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+        EXPECT_NE(message.find("a\\nb"), std::string::npos) << message;
+    }
+}
+
 TEST(RigMistakes, TheFirstOfSeveralIsTold) {
     EXPECT_EQ(refusal("[output]\nzzz = 1\naaa = 2\n").substr(0, 51), "unknown key 'zzz' in [output] at key.relume:2:1; th");
     EXPECT_EQ(refusal("[[shader]]\nuse='gxg'\n[[light]]\ntype='sunn'\n").substr(0, 21), "unknown shader 'gxg' ");
