@@ -47,12 +47,19 @@ void load(const std::string& text) {
     }
 }
 
+/// One key at a time may leave a rig that waits for another: focal_length for its aperture, a point light for a position.
+bool is_complete(const Rig& rig) {
+    for (const Light& light : rig.lights)
+        if ((light.type == "point" || light.type == "spot") && !light.values.given("position")) return false;
+    return rig.gbuffer.focal_length.has_value() == rig.gbuffer.horizontal_aperture.has_value();
+}
+
 void set(const std::string& key, const std::string& value) {
     static const Rig base = Rig::loads("[[light]]\nname='key'\ntype='spot'\nposition=[0,0,0]\n[[shader]]\nuse='ggx'\n");
     Rig rig = base;
     try {
         rig.set(key, value);
-        demand(Rig::loads(rig.to_toml()) == rig);
+        if (is_complete(rig)) demand(Rig::loads(rig.to_toml()) == rig);
     } catch (const Error& error) {
         check_message(error);
         demand(rig == base);

@@ -119,7 +119,8 @@ public:
     /// is neither.
     std::string get(std::string_view dotted) const;
 
-    /// A rig file that loads to an equal rig. Includes are merged into it.
+    /// A rig file that loads to an equal rig, if this one is complete: set() may leave focal_length without its aperture or
+    /// a point light without a position, which load() refuses. Includes are merged into it.
     std::string to_toml() const;
 
     /// Same contents; `path` is not compared.
