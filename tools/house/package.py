@@ -37,7 +37,10 @@ def make_wheel() -> Path:
         shutil.rmtree(directory, ignore_errors=True)
     environment = dict(os.environ, PATH=f"{Path(PYTHON).parent}{os.pathsep}{os.environ['PATH']}")
     environment.pop("PYTHONPATH", None)
-    settings = ["--no-deps", "--no-build-isolation", f"-Cbuild-dir={BUILD / 'wheel-cmake'}"]
+    # The release preset's compilers and flags: ccache then has every object of the wheel already.
+    environment |= {"CC": "gcc", "CXX": "g++"}
+    settings = ["--no-deps", "--no-build-isolation", "--config-settings=cmake.define.RELUME_WERROR=ON"]
+    settings += [f"--config-settings=build-dir={BUILD / 'wheel-cmake'}"]
     run(
         [PYTHON, "-m", "pip", "wheel", "-qq", *settings, "--wheel-dir", raw, "."],
         env=environment,
