@@ -12,9 +12,12 @@ namespace {
 
 float encoded(DisplayEncoding encoding, float x) {
     switch (encoding) {
-        case DisplayEncoding::srgb: return srgb_encode(x);
-        case DisplayEncoding::gamma22: return gamma22_encode(x);
-        case DisplayEncoding::linear: return x;
+        case DisplayEncoding::srgb:
+            return srgb_encode(x);
+        case DisplayEncoding::gamma22:
+            return gamma22_encode(x);
+        case DisplayEncoding::linear:
+            return x;
     }
     return x;
 }
@@ -35,7 +38,9 @@ float exposed(float x, float gain) {
 void check_planes(std::span<const Plane> planes, int width, int height) {
     if (planes.size() != 3 && planes.size() != 4)
         throw Error(ErrorKind::value, "a picture has 3 or 4 planes (R, G, B, A), not " + std::to_string(planes.size()));
-    if (width < 0 || height < 0) throw Error(ErrorKind::value, "a picture of " + std::to_string(width) + "x" + std::to_string(height) + " pixels");
+    if (width < 0 || height < 0)
+        throw Error(ErrorKind::value,
+                    "a picture of " + std::to_string(width) + "x" + std::to_string(height) + " pixels");
     for (const Plane& plane : planes) {
         if (plane.data == nullptr) throw Error(ErrorKind::value, "a plane without pixels");
         if (plane.type == PixelType::uint32) throw Error(ErrorKind::value, "colours are half or float32, not integers");

@@ -35,7 +35,9 @@ std::string config_file(const std::string& given) {
     if (!given.empty()) return given;
     const char* variable = std::getenv("OCIO");
     if (variable == nullptr || *variable == '\0')
-        throw Error(ErrorKind::file, "no OpenColorIO config: the environment variable OCIO is not set; set it to a config's file, or name one");
+        throw Error(
+            ErrorKind::file,
+            "no OpenColorIO config: the environment variable OCIO is not set; set it to a config's file, or name one");
     return variable;
 }
 
@@ -45,8 +47,10 @@ ocio::ConstConfigRcPtr open_config(const std::string& given) {
     // OpenColorIO says little of these, and yaml-cpp leaks on a folder.
     if (std::error_code error; !file.starts_with("ocio://")) {
         const auto status = std::filesystem::status(file, error);
-        if (!std::filesystem::exists(status)) throw Error(ErrorKind::file, file + whose + ": no such OpenColorIO config");
-        if (std::filesystem::is_directory(status)) throw Error(ErrorKind::file, file + whose + ": is a directory; an OpenColorIO config is a file");
+        if (!std::filesystem::exists(status))
+            throw Error(ErrorKind::file, file + whose + ": no such OpenColorIO config");
+        if (std::filesystem::is_directory(status))
+            throw Error(ErrorKind::file, file + whose + ": is a directory; an OpenColorIO config is a file");
     }
     try {
         return ocio::Config::CreateFromFile(file.c_str());
@@ -55,13 +59,16 @@ ocio::ConstConfigRcPtr open_config(const std::string& given) {
     }
 }
 
-[[noreturn]] void refuse(const std::string& what, const std::string& name, const std::vector<std::string>& names, const std::string& where = "") {
+[[noreturn]] void refuse(const std::string& what, const std::string& name, const std::vector<std::string>& names,
+                         const std::string& where = "") {
     const std::vector<std::string_view> views(names.begin(), names.end());
     const std::string near = nearest_name(name, views);
     std::string list;
     for (const std::string& n : names) list += (list.empty() ? "" : ", ") + n;
     throw Error(ErrorKind::parameter, "the OpenColorIO config has no " + what + " '" + name + "'" + where +
-                                          (!near.empty() ? "; did you mean '" + near + "'?" : list.empty() ? "" : "; there are " + list));
+                                          (!near.empty()  ? "; did you mean '" + near + "'?"
+                                           : list.empty() ? ""
+                                                          : "; there are " + list));
 }
 
 std::vector<std::string> displays_of(const ocio::Config& config) {
@@ -80,8 +87,8 @@ void default_first(std::vector<std::string>& names, const std::string& first) {
     std::stable_partition(names.begin(), names.end(), [&](const std::string& name) { return name == first; });
 }
 
-std::string one_of(const std::string& what, const std::string& wanted, const std::string& fallback, const std::vector<std::string>& names,
-                   const std::string& where = "") {
+std::string one_of(const std::string& what, const std::string& wanted, const std::string& fallback,
+                   const std::vector<std::string>& names, const std::string& where = "") {
     const std::string& name = wanted.empty() ? fallback : wanted;
     if (std::find(names.begin(), names.end(), name) == names.end()) refuse(what, name, names, where);
     return name;
@@ -92,7 +99,8 @@ std::string space_of(const ocio::Config& config, const std::string& wanted) {
     const auto known = [&](const std::string& name) { return config.getColorSpace(name.c_str()) != nullptr; };
     if (wanted.empty()) {
         if (known(ocio::ROLE_SCENE_LINEAR)) return ocio::ROLE_SCENE_LINEAR;
-        throw Error(ErrorKind::parameter, "the OpenColorIO config has no role scene_linear; name the space that the colours are in");
+        throw Error(ErrorKind::parameter,
+                    "the OpenColorIO config has no role scene_linear; name the space that the colours are in");
     }
     if (known(wanted)) return wanted;
     const WorkingSpace* same = find_working_space(wanted);
@@ -124,7 +132,8 @@ struct OcioTransform::Impl {
     ocio::ConstCPUProcessorRcPtr cpu;
 };
 
-OcioTransform::OcioTransform(std::shared_ptr<const Impl> impl, OcioChoice choice) : impl_(std::move(impl)), choice_(std::move(choice)) {}
+OcioTransform::OcioTransform(std::shared_ptr<const Impl> impl, OcioChoice choice)
+    : impl_(std::move(impl)), choice_(std::move(choice)) {}
 
 std::vector<OcioDisplay> ocio_displays(const std::string& given) {
     const auto config = open_config(given);
@@ -143,8 +152,8 @@ OcioTransform OcioTransform::display(const OcioChoice& wanted) {
     OcioChoice choice = wanted;
     choice.config = config_file(wanted.config);
     choice.display = one_of("display", wanted.display, config->getDefaultDisplay(), displays_of(*config));
-    choice.view = one_of("view", wanted.view, config->getDefaultView(choice.display.c_str()), views_of(*config, choice.display),
-                         " for display '" + choice.display + "'");
+    choice.view = one_of("view", wanted.view, config->getDefaultView(choice.display.c_str()),
+                         views_of(*config, choice.display), " for display '" + choice.display + "'");
     choice.space = space_of(*config, wanted.space);
     if (!wanted.look.empty()) one_of("look", wanted.look, {}, looks_of(*config));
 
@@ -176,7 +185,9 @@ OcioTransform OcioTransform::conversion(const std::string& given, const std::str
 }
 
 void OcioTransform::apply(std::span<float> colors) const {
-    if (colors.size() % 3 != 0) throw Error(ErrorKind::value, "colours are three numbers each, not " + std::to_string(colors.size()) + " in all");
+    if (colors.size() % 3 != 0)
+        throw Error(ErrorKind::value,
+                    "colours are three numbers each, not " + std::to_string(colors.size()) + " in all");
     if (colors.empty()) return;
     for (float& x : colors) x = std::isnan(x) ? 0 : std::clamp(x, -kLargestHalf, kLargestHalf);
     ocio::PackedImageDesc image(colors.data(), static_cast<long>(colors.size() / 3), 1, 3);

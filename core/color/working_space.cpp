@@ -13,19 +13,34 @@ namespace {
 
 // Whites: D65 (0.3127, 0.3290) as Rec.709 has it, ACES' own near D60 (SMPTE ST 2065-1).
 constexpr WorkingSpace kSpaces[] = {
-    {"lin_rec709", "Rec.709", {0.640, 0.330, 0.300, 0.600, 0.150, 0.060, 0.3127, 0.3290},
+    {"lin_rec709",
+     "Rec.709",
+     {0.640, 0.330, 0.300, 0.600, 0.150, 0.060, 0.3127, 0.3290},
      "Linear Rec.709|Linear Rec.709 (sRGB)|Linear sRGB|lin_srgb|scene-linear Rec.709-sRGB|Utility - Linear - sRGB|Utility - Linear - Rec.709|Linear BT.709"},
-    {"lin_rec2020", "Rec.2020", {0.708, 0.292, 0.170, 0.797, 0.131, 0.046, 0.3127, 0.3290},
+    {"lin_rec2020",
+     "Rec.2020",
+     {0.708, 0.292, 0.170, 0.797, 0.131, 0.046, 0.3127, 0.3290},
      "Linear Rec.2020|Linear BT.2020|scene-linear Rec.2020|Utility - Linear - Rec.2020"},
-    {"lin_p3d65", "P3-D65", {0.680, 0.320, 0.265, 0.690, 0.150, 0.060, 0.3127, 0.3290},
+    {"lin_p3d65",
+     "P3-D65",
+     {0.680, 0.320, 0.265, 0.690, 0.150, 0.060, 0.3127, 0.3290},
      "Linear P3-D65|Linear DCI-P3 D65|Linear Display P3|scene-linear P3-D65|Utility - Linear - P3-D65"},
-    {"lin_ap0", "ACES AP0", {0.7347, 0.2653, 0.0000, 1.0000, 0.0001, -0.0770, 0.32168, 0.33767},
+    {"lin_ap0",
+     "ACES AP0",
+     {0.7347, 0.2653, 0.0000, 1.0000, 0.0001, -0.0770, 0.32168, 0.33767},
      "ACES2065-1|ACES - ACES2065-1|aces|scene-linear AP0|Linear AP0"},
-    {"lin_ap1", "ACES AP1", {0.713, 0.293, 0.165, 0.830, 0.128, 0.044, 0.32168, 0.33767},
+    {"lin_ap1",
+     "ACES AP1",
+     {0.713, 0.293, 0.165, 0.830, 0.128, 0.044, 0.32168, 0.33767},
      "ACEScg|ACES - ACEScg|scene-linear AP1|Linear AP1"},
-    {"lin_adobergb", "Adobe RGB", {0.640, 0.330, 0.210, 0.710, 0.150, 0.060, 0.3127, 0.3290},
+    {"lin_adobergb",
+     "Adobe RGB",
+     {0.640, 0.330, 0.210, 0.710, 0.150, 0.060, 0.3127, 0.3290},
      "Linear AdobeRGB|scene-linear AdobeRGB|Utility - Linear - Adobe RGB"},
-    {"lin_ciexyzd65", "CIE XYZ, white D65", {1, 0, 0, 1, 0, 0, 0.3127, 0.3290}, "CIE-XYZ-D65|Linear CIE-XYZ D65|CIE XYZ-D65|scene-linear CIE-XYZ-D65"},
+    {"lin_ciexyzd65",
+     "CIE XYZ, white D65",
+     {1, 0, 0, 1, 0, 0, 0.3127, 0.3290},
+     "CIE-XYZ-D65|Linear CIE-XYZ D65|CIE XYZ-D65|scene-linear CIE-XYZ-D65"},
 };
 
 std::string folded(std::string_view name) {
@@ -58,7 +73,8 @@ std::span<const WorkingSpace> working_spaces() { return kSpaces; }
 
 const WorkingSpace* find_working_space(std::string_view name) {
     const std::string wanted = folded(name);
-    const auto found = std::find_if(std::begin(kSpaces), std::end(kSpaces), [&](const WorkingSpace& s) { return goes_by(s, wanted); });
+    const auto found =
+        std::find_if(std::begin(kSpaces), std::end(kSpaces), [&](const WorkingSpace& s) { return goes_by(s, wanted); });
     return found == std::end(kSpaces) ? nullptr : found;
 }
 
@@ -129,7 +145,8 @@ ColorMatrix bradford(std::array<double, 2> from_white, std::array<double, 2> to_
 ColorMatrix rgb_to_rgb(const Chromaticities& from, const Chromaticities& to) {
     const bool same_white = std::abs(from[6] - to[6]) < 1e-6 && std::abs(from[7] - to[7]) < 1e-6;
     const ColorMatrix xyz = rgb_to_xyz(from);
-    return concatenated(xyz_to_rgb(to), same_white ? xyz : concatenated(bradford({from[6], from[7]}, {to[6], to[7]}), xyz));
+    return concatenated(xyz_to_rgb(to),
+                        same_white ? xyz : concatenated(bradford({from[6], from[7]}, {to[6], to[7]}), xyz));
 }
 
 }  // namespace relume

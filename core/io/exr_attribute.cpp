@@ -57,23 +57,20 @@ std::string_view fields_of(std::string_view type) {
     return found == kNumberLayouts.end() ? std::string_view{} : found->fields;
 }
 
-template <typename T>
-double take(const std::byte*& from) {
+template <typename T> double take(const std::byte*& from) {
     T value;
     std::memcpy(&value, from, sizeof value);
     from += sizeof value;
     return static_cast<double>(value);
 }
 
-template <typename T>
-void append(std::string& to, T value) {
+template <typename T> void append(std::string& to, T value) {
     std::array<char, sizeof(T)> bytes;
     std::memcpy(bytes.data(), &value, sizeof value);
     to.append(bytes.data(), bytes.size());
 }
 
-template <typename T>
-T to_integer(double value) {
+template <typename T> T to_integer(double value) {
     constexpr auto low = static_cast<double>(std::numeric_limits<T>::min());
     constexpr auto high = static_cast<double>(std::numeric_limits<T>::max());
     return static_cast<T>(value == value ? std::clamp(value, low, high) : 0.0);

@@ -54,8 +54,7 @@ private:
 exr_context_initializer_t core_initializer();
 
 /// What EXR_DECODE_PIPELINE_INITIALIZER and its like stand for; OpenEXRCore 3.1 has no size field.
-template <typename Pipeline>
-Pipeline empty_pipeline() {
+template <typename Pipeline> Pipeline empty_pipeline() {
     Pipeline pipeline{};
     if constexpr (requires { pipeline.pipe_size; }) {
         pipeline.pipe_size = sizeof pipeline;

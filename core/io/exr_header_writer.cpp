@@ -69,10 +69,7 @@ bool is_shared(const Attribute& attribute) {
 
 class HeaderBytes {
 public:
-    template <typename T>
-    void number(T value) {
-        bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
-    }
+    template <typename T> void number(T value) { bytes_.append(reinterpret_cast<const char*>(&value), sizeof value); }
 
     void name(std::string_view text) {
         bytes_ += text;
@@ -86,8 +83,7 @@ public:
         bytes_ += value;
     }
 
-    template <typename T>
-    void attribute_of(std::string_view attribute_name, std::string_view type, const T& value) {
+    template <typename T> void attribute_of(std::string_view attribute_name, std::string_view type, const T& value) {
         attribute(attribute_name, type, {reinterpret_cast<const char*>(&value), sizeof value});
     }
 

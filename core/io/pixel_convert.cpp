@@ -14,17 +14,13 @@ namespace relume::io {
 
 namespace {
 
-template <typename T>
-T load(const std::byte* from) {
+template <typename T> T load(const std::byte* from) {
     T value;
     std::memcpy(&value, from, sizeof value);
     return value;
 }
 
-template <typename T>
-void store(std::byte* to, T value) {
-    std::memcpy(to, &value, sizeof value);
-}
+template <typename T> void store(std::byte* to, T value) { std::memcpy(to, &value, sizeof value); }
 
 std::uint32_t float_to_uint(float value) {
     constexpr float kLimit = 4294967296.0f;
@@ -68,15 +64,13 @@ __attribute__((target("avx2,f16c"))) std::size_t floats_to_halves_f16c(const std
 // contiguous memory.
 constexpr std::size_t kBlock = 256;
 
-template <typename T>
-void gather(const std::byte* from, std::ptrdiff_t stride, std::byte* to, std::size_t count) {
+template <typename T> void gather(const std::byte* from, std::ptrdiff_t stride, std::byte* to, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i, from += stride) {
         store(to + i * sizeof(T), load<T>(from));
     }
 }
 
-template <typename T>
-void scatter(const std::byte* from, std::byte* to, std::ptrdiff_t stride, std::size_t count) {
+template <typename T> void scatter(const std::byte* from, std::byte* to, std::ptrdiff_t stride, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i, to += stride) {
         store(to, load<T>(from + i * sizeof(T)));
     }

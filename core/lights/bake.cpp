@@ -139,13 +139,17 @@ AmbientLight bake_ambient(const Baker& b, std::string_view type) {
 
 BakedLight bake_light(const Light& light, const std::optional<Camera>& camera, std::vector<std::string>& warnings) {
     const LightType* type = find_light_type(light.type);
-    if (type == nullptr) throw Error(ErrorKind::parameter, "light '" + light.name + "': unknown type '" + light.type + "'");
+    if (type == nullptr)
+        throw Error(ErrorKind::parameter, "light '" + light.name + "': unknown type '" + light.type + "'");
     const Baker b(light, *type, camera);
     if (!camera && b.choice("space") == 1)
-        warnings.push_back("light '" + light.name + "' is in camera space and no camera is known: world and camera space are taken to be the same");
+        warnings.push_back(
+            "light '" + light.name +
+            "' is in camera space and no camera is known: world and camera space are taken to be the same");
     for (const std::string_view size : {"angle", "radius"})
         if (b.given(size) && b.number(size) > 0)
-            warnings.push_back("light '" + light.name + "': " + std::string(size) + " is left out, the light is shaded as a point");
+            warnings.push_back("light '" + light.name + "': " + std::string(size) +
+                               " is left out, the light is shaded as a point");
 
     BakedLight out;
     out.name = light.name;

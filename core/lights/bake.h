@@ -22,8 +22,8 @@ struct BakedLight {
     bool needs_position() const { return direct && direct->kind != LightKind::sun; }
 };
 
-/// World-space constants of a light. `camera` places lights with space = "camera"; where it is absent the camera is taken
-/// to be at the world's origin. `warnings` gets a sentence for what the light asks and shading leaves out.
+/// World-space constants of a light. `camera` places lights with space = "camera"; where it is absent the camera is
+/// taken to be at the world's origin. `warnings` gets a sentence for what the light asks and shading leaves out.
 /// Errors: parameter (zero direction; power and intensity both given; no position).
 BakedLight bake_light(const Light& light, const std::optional<Camera>& camera, std::vector<std::string>& warnings);
 

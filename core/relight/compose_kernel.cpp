@@ -7,15 +7,13 @@
 namespace relume {
 namespace {
 
-template <class T>
-RELUME_INLINE T finite_or_zero(T x, T& poison) {
+template <class T> RELUME_INLINE T finite_or_zero(T x, T& poison) {
     const T p = x * T(0.f);
     poison = poison + p;
     return select(is_nan(p), T(0.f), x);
 }
 
-template <class T>
-RELUME_INLINE int count_lanes(MaskOf<T> mask, int lanes) {
+template <class T> RELUME_INLINE int count_lanes(MaskOf<T> mask, int lanes) {
     alignas(64) float flags[kWidth<T>];
     store(flags, select(mask, T(1.f), T(0.f)));
     int n = 0;
@@ -23,22 +21,21 @@ RELUME_INLINE int count_lanes(MaskOf<T> mask, int lanes) {
     return n;
 }
 
-template <class T>
-RELUME_INLINE void store_partial(float* p, T x, int lanes) {
-    if (lanes >= kWidth<T>) [[likely]] return store(p, x);
+template <class T> RELUME_INLINE void store_partial(float* p, T x, int lanes) {
+    if (lanes >= kWidth<T>) [[likely]]
+        return store(p, x);
     alignas(64) float padded[kWidth<T>];
     store(padded, x);
     for (int k = 0; k < lanes; ++k) p[k] = padded[k];
 }
 
-template <class T>
-RELUME_INLINE Vec3<T> load3_or_zero(const float* const (&planes)[3], int i, int lanes) {
+template <class T> RELUME_INLINE Vec3<T> load3_or_zero(const float* const (&planes)[3], int i, int lanes) {
     if (planes[0] == nullptr) return splat(T(0.f));
-    return {load_partial<T>(planes[0] + i, lanes), load_partial<T>(planes[1] + i, lanes), load_partial<T>(planes[2] + i, lanes)};
+    return {load_partial<T>(planes[0] + i, lanes), load_partial<T>(planes[1] + i, lanes),
+            load_partial<T>(planes[2] + i, lanes)};
 }
 
-template <class T>
-__attribute__((flatten)) void compose(ComposeTile* tile) {
+template <class T> __attribute__((flatten)) void compose(ComposeTile* tile) {
     const T zero(0.f), one(1.f);
     tile->shaded = 0;
     tile->nonfinite = 0;
@@ -47,7 +44,8 @@ __attribute__((flatten)) void compose(ComposeTile* tile) {
         T poison = zero;
         const Vec3<T> n = load3_or_zero<T>(tile->normal, i, lanes);
         T cover = one, alpha = one;
-        if (tile->coverage != nullptr) cover = saturate(finite_or_zero(load_partial<T>(tile->coverage + i, lanes), poison));
+        if (tile->coverage != nullptr)
+            cover = saturate(finite_or_zero(load_partial<T>(tile->coverage + i, lanes), poison));
         if (tile->alpha != nullptr) alpha = finite_or_zero(load_partial<T>(tile->alpha + i, lanes), poison);
         // A normal of NaN is no background: the kernel has blacked the pixel and counted it.
         cover = select(dot(n, n) <= constant<T>(1e-12), zero, cover);
@@ -55,12 +53,13 @@ __attribute__((flatten)) void compose(ComposeTile* tile) {
         beauty = {finite_or_zero(beauty.x, poison), finite_or_zero(beauty.y, poison), finite_or_zero(beauty.z, poison)};
         const Vec3<T> light = load3_or_zero<T>(tile->light, i, lanes);
 
-        // What shows beside the surface. Under a transparent film alpha is the coverage and nothing does; where the film is
-        // opaque (alpha 1) the beauty stands for it, so that silhouettes before a bright background get no dark fringe. A
-        // true division: the background passes through to the bit.
+        // What shows beside the surface. Under a transparent film alpha is the coverage and nothing does; where the
+        // film is opaque (alpha 1) the beauty stands for it, so that silhouettes before a bright background get no dark
+        // fringe. A true division: the background passes through to the bit.
         const T beside = select(alpha > zero, max(alpha - cover, zero) / max(alpha, constant<T>(1e-20)), one - cover);
         const T keep = tile->add ? one : beside;
-        const Vec3<T> rgb{fma(light.x, cover, beauty.x * keep), fma(light.y, cover, beauty.y * keep), fma(light.z, cover, beauty.z * keep)};
+        const Vec3<T> rgb{fma(light.x, cover, beauty.x * keep), fma(light.y, cover, beauty.y * keep),
+                          fma(light.z, cover, beauty.z * keep)};
 
         if (tile->interleaved) {
             store_interleaved(tile->rgba[0] + 4 * i, rgb.x, rgb.y, rgb.z, alpha, lanes, tile->stream != 0);
@@ -72,9 +71,11 @@ __attribute__((flatten)) void compose(ComposeTile* tile) {
         }
         if (tile->cover != nullptr) store_partial(tile->cover + i, cover, lanes);
         const MaskOf<T> seen = cover > zero;
-        if (lanes >= kWidth<T> && all(seen)) [[likely]] tile->shaded += kWidth<T>;
+        if (lanes >= kWidth<T> && all(seen)) [[likely]]
+            tile->shaded += kWidth<T>;
         else if (any(seen)) tile->shaded += count_lanes<T>(seen, lanes);
-        if (any(is_nan(poison))) [[unlikely]] tile->nonfinite += count_lanes<T>(is_nan(poison), lanes);
+        if (any(is_nan(poison))) [[unlikely]]
+            tile->nonfinite += count_lanes<T>(is_nan(poison), lanes);
     }
 }
 
@@ -82,7 +83,9 @@ __attribute__((flatten)) void compose(ComposeTile* tile) {
 }  // namespace relume
 
 #if defined(RELUME_ISA_BATCH)
-extern "C" void RELUME_KERNEL(compose, RELUME_ISA_ID)(relume::ComposeTile* tile) { relume::compose<relume::Batch<RELUME_ISA_BATCH>>(tile); }
+extern "C" void RELUME_KERNEL(compose, RELUME_ISA_ID)(relume::ComposeTile* tile) {
+    relume::compose<relume::Batch<RELUME_ISA_BATCH>>(tile);
+}
 #else
 extern "C" void RELUME_KERNEL(compose, scalar)(relume::ComposeTile* tile) { relume::compose<float>(tile); }
 #endif

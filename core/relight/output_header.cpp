@@ -13,7 +13,8 @@ namespace relume {
 
 namespace {
 
-/// A layer's name from an AOV's: "light:key.001" becomes "light_key_001", since dots and colons mean something to readers.
+/// A layer's name from an AOV's: "light:key.001" becomes "light_key_001", since dots and colons mean something to
+/// readers.
 std::string layer_name(std::string name) {
     for (char& c : name)
         if (c == '.' || c == ':' || c == ' ') c = '_';
@@ -22,7 +23,8 @@ std::string layer_name(std::string name) {
 
 /// Attributes that describe the source's own channels, views or file, and would be wrong in the output.
 bool describes_source(std::string_view name) {
-    constexpr std::array kExact{"multiView", "view", "name", "type", "chunkCount", "tiles", "preview", "envmap", "dwaCompressionLevel"};
+    constexpr std::array kExact{
+        "multiView", "view", "name", "type", "chunkCount", "tiles", "preview", "envmap", "dwaCompressionLevel"};
     return name.starts_with("cryptomatte/") || name.starts_with("exr/cryptomatte/") || name.starts_with("relume/") ||
            std::find(kExact.begin(), kExact.end(), name) != kExact.end();
 }
@@ -100,11 +102,13 @@ OutputLayout output_layout(const GBuffer& gbuffer, const Rig& rig, const Plan& p
         out.slots.push_back(slot);
     }
     for (io::Part& part : out.header.parts)
-        std::sort(part.channels.begin(), part.channels.end(), [](const io::Channel& a, const io::Channel& b) { return a.name < b.name; });
+        std::sort(part.channels.begin(), part.channels.end(),
+                  [](const io::Channel& a, const io::Channel& b) { return a.name < b.name; });
     for (std::size_t a = 0; a < plan.aovs.size(); ++a) {
         const auto& channels = out.header.parts[static_cast<std::size_t>(out.slots[a].part)].channels;
         for (const std::string& name : names[a]) {
-            const auto found = std::find_if(channels.begin(), channels.end(), [&](const io::Channel& c) { return c.name == name; });
+            const auto found =
+                std::find_if(channels.begin(), channels.end(), [&](const io::Channel& c) { return c.name == name; });
             out.slots[a].channels.push_back(static_cast<int>(found - channels.begin()));
         }
     }

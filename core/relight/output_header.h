@@ -17,13 +17,13 @@ struct OutputLayout {
         int part = 0;
         std::vector<int> channels;  ///< by component, index into the part's channels
     };
-    std::vector<Slot> slots;        ///< by AOV
+    std::vector<Slot> slots;  ///< by AOV
     io::WriteOptions options;
 };
 
-/// A single-part source (and one in memory) gives a single part: R, G, B, A and a layer per AOV. A multi-part source gives
-/// a part per AOV, so that a reader that expects parts finds them. Windows, pixel aspect and, with metadata = "keep", the
-/// source's attributes carry over; Cryptomatte manifests do not, since their channels do not either.
+/// A single-part source (and one in memory) gives a single part: R, G, B, A and a layer per AOV. A multi-part source
+/// gives a part per AOV, so that a reader that expects parts finds them. Windows, pixel aspect and, with metadata =
+/// "keep", the source's attributes carry over; Cryptomatte manifests do not, since their channels do not either.
 OutputLayout output_layout(const GBuffer& gbuffer, const Rig& rig, const Plan& plan);
 
 }  // namespace relume

@@ -38,9 +38,10 @@ std::vector<AovInfo> aovs(const Rig& rig) {
             candidates.insert(candidates.end(), light_names.begin(), light_names.end());
             if (std::find(light_names.begin(), light_names.end(), name) == light_names.end()) {
                 const std::string nearest = nearest_name(name, candidates);
-                throw Error(ErrorKind::rig, "output.aovs: '" + name + "' is neither diffuse, specular, transmission nor light:NAME (lights: " +
-                                                names_of(rig.lights) + ")" +
-                                                (nearest.empty() ? "" : "; did you mean '" + nearest + "'?"));
+                throw Error(
+                    ErrorKind::rig,
+                    "output.aovs: '" + name + "' is neither diffuse, specular, transmission nor light:NAME (lights: " +
+                        names_of(rig.lights) + ")" + (nearest.empty() ? "" : "; did you mean '" + nearest + "'?"));
             }
         }
         if (std::any_of(out.begin(), out.end(), [&](const AovInfo& a) { return a.name == name; }))
@@ -51,8 +52,9 @@ std::vector<AovInfo> aovs(const Rig& rig) {
 }
 
 int Plan::request(ChannelRequest wanted) {
-    std::string key = std::to_string(static_cast<int>(wanted.kind)) + '/' + wanted.name + '/' + std::to_string(wanted.components) + '/' +
-                      std::to_string(wanted.scale) + '/' + std::to_string(wanted.offset);
+    std::string key = std::to_string(static_cast<int>(wanted.kind)) + '/' + wanted.name + '/' +
+                      std::to_string(wanted.components) + '/' + std::to_string(wanted.scale) + '/' +
+                      std::to_string(wanted.offset);
     for (const auto& pattern : wanted.patterns) key += '\n' + pattern;
     const auto [it, added] = known_.try_emplace(key, plane_count);
     if (added) {
@@ -95,12 +97,14 @@ void Plan::add_lights(const GBuffer& gbuffer, const Rig& rig) {
         const BakedLight baked = bake_light(light, gbuffer.camera(), warnings);
         if (baked.needs_position()) {
             if (gbuffer.find("position") == nullptr)
-                throw Error(ErrorKind::channel, "light '" + light.name + "' is a " + light.type +
-                                                    " light and needs positions: the G-buffer has neither a position channel nor "
-                                                    "depth with a camera; give [camera] fov, a position channel, or use a sun");
+                throw Error(ErrorKind::channel,
+                            "light '" + light.name + "' is a " + light.type +
+                                " light and needs positions: the G-buffer has neither a position channel nor "
+                                "depth with a camera; give [camera] fov, a position channel, or use a sun");
             local = true;
         }
-        const auto aov = std::find_if(aovs.begin(), aovs.end(), [&](const AovInfo& a) { return a.name == "light:" + light.name; });
+        const auto aov =
+            std::find_if(aovs.begin(), aovs.end(), [&](const AovInfo& a) { return a.name == "light:" + light.name; });
         LightGroup own;
         LightGroup& group = aov == aovs.end() ? rest : own;
         const int mask = add_mask(baked);
@@ -116,8 +120,7 @@ void Plan::add_lights(const GBuffer& gbuffer, const Rig& rig) {
             groups.push_back(std::move(own));
         }
     }
-    if (rig.lights.empty())
-        throw Error(ErrorKind::rig, "the rig has no lights; add a [[light]]");
+    if (rig.lights.empty()) throw Error(ErrorKind::rig, "the rig has no lights; add a [[light]]");
     if (enabled == 0) warnings.push_back("every light of the rig is disabled: emission alone is left");
     // First, and always there: it carries the emission.
     groups.insert(groups.begin(), std::move(rest));
@@ -151,8 +154,11 @@ int Plan::bind(const GBuffer& gbuffer, const ShaderInfo& shader, const ShaderUse
         if (is_option(p)) {
             const auto slot = static_cast<std::size_t>(p.slot);
             if (p.type == ParameterType::choice) binding.options[slot] = use.values.choice(shader.parameters, p.name);
-            else if (p.type == ParameterType::boolean) binding.options[slot] = use.values.boolean(shader.parameters, p.name);
-            else binding.options[slot] = static_cast<std::int32_t>(std::lround(use.values.number(shader.parameters, p.name)));
+            else if (p.type == ParameterType::boolean)
+                binding.options[slot] = use.values.boolean(shader.parameters, p.name);
+            else
+                binding.options[slot] =
+                    static_cast<std::int32_t>(std::lround(use.values.number(shader.parameters, p.name)));
             continue;
         }
         const int components = p.components();
@@ -160,11 +166,16 @@ int Plan::bind(const GBuffer& gbuffer, const ShaderInfo& shader, const ShaderUse
         int plane = -1;
         if (given != nullptr && std::holds_alternative<ChannelRef>(*given)) {
             const auto& ref = std::get<ChannelRef>(*given);
-            plane = request({.kind = ChannelRequest::Kind::raw, .name = ref.channel, .components = components, .patterns = {},
-                             .scale = ref.scale, .offset = ref.offset});
+            plane = request({.kind = ChannelRequest::Kind::raw,
+                             .name = ref.channel,
+                             .components = components,
+                             .patterns = {},
+                             .scale = ref.scale,
+                             .offset = ref.offset});
         } else if (given == nullptr) {
             const ChannelInfo* channel = gbuffer.find(p.name);
-            if (channel != nullptr && channel->components == components) plane = request_semantic(gbuffer, std::string(p.name), components);
+            if (channel != nullptr && channel->components == components)
+                plane = request_semantic(gbuffer, std::string(p.name), components);
         }
         std::array<double, 3> constant = p.value;
         if (given != nullptr && plane < 0) {
@@ -184,13 +195,16 @@ int Plan::bind(const GBuffer& gbuffer, const ShaderInfo& shader, const ShaderUse
 
 void Plan::add_unreal_models(const GBuffer& gbuffer, const ShaderUse& use, const ShaderRule& base) {
     if (gbuffer.find("shading_model_id") == nullptr)
-        throw Error(ErrorKind::channel, "shader 'from_material_expression' needs a shading_model_id channel, and the G-buffer has none; "
-                                        "name it under [gbuffer.channels]");
-    const int plane = request({.kind = ChannelRequest::Kind::id, .name = "shading_model_id", .components = 1, .patterns = {}});
+        throw Error(ErrorKind::channel,
+                    "shader 'from_material_expression' needs a shading_model_id channel, and the G-buffer has none; "
+                    "name it under [gbuffer.channels]");
+    const int plane =
+        request({.kind = ChannelRequest::Kind::id, .name = "shading_model_id", .components = 1, .patterns = {}});
     for (std::uint32_t id = 0; id < shading_model_names().size(); ++id) {
         const ShaderInfo* model = find_shader(shading_model_names()[id]);
         if (model == nullptr) {
-            warnings.push_back("shading model " + std::to_string(id) + " (" + std::string(shading_model_names()[id]) + ") is shaded as default_lit");
+            warnings.push_back("shading model " + std::to_string(id) + " (" + std::string(shading_model_names()[id]) +
+                               ") is shaded as default_lit");
             model = &require_shader("default_lit");
         }
         ShaderRule rule = base;
@@ -208,7 +222,8 @@ void Plan::add_shader(const GBuffer& gbuffer, const ShaderUse& use) {
     const auto match_ids = [&](const char* name, const std::vector<std::int64_t>& wanted) {
         if (wanted.empty()) return;
         if (gbuffer.find(name) == nullptr)
-            throw Error(ErrorKind::channel, std::string("a [[shader]] chooses pixels by ") + name + ", and the G-buffer has no such channel");
+            throw Error(ErrorKind::channel, std::string("a [[shader]] chooses pixels by ") + name +
+                                                ", and the G-buffer has no such channel");
         ShaderRule::IdMatch match;
         match.plane = request({.kind = ChannelRequest::Kind::id, .name = name, .components = 1, .patterns = {}});
         for (const std::int64_t id : wanted) match.values.push_back(static_cast<std::uint32_t>(id));
@@ -232,7 +247,8 @@ Plan::Plan(const GBuffer& gbuffer, const Rig& rig) : aovs(relume::aovs(rig)) {
             if (aovs[a].name == kLobeNames[k]) lobe_aovs[k] = static_cast<int>(a);
 
     normal = request_semantic(gbuffer, "normal", 3);
-    if (normal < 0) throw Error(ErrorKind::channel, "the G-buffer has no normal channel; name it under [gbuffer.channels] normal");
+    if (normal < 0)
+        throw Error(ErrorKind::channel, "the G-buffer has no normal channel; name it under [gbuffer.channels] normal");
     coverage = request_semantic(gbuffer, "coverage", 1);
     alpha = request_semantic(gbuffer, "alpha", 1);
     beauty = request_semantic(gbuffer, "beauty", 3);

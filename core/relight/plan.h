@@ -41,9 +41,9 @@ struct ShaderRule {
 struct LightGroup {
     std::vector<DirectLight> direct;
     std::vector<AmbientLight> ambient;
-    std::vector<int> direct_masks;   ///< index into Plan::masks, −1: none
+    std::vector<int> direct_masks;  ///< index into Plan::masks, −1: none
     std::vector<int> ambient_masks;
-    int aov = -1;                    ///< index into Plan::aovs
+    int aov = -1;  ///< index into Plan::aovs
 };
 
 /// Light linking: mask = include · (1 − exclude), each a Cryptomatte matte; −1: 1 or 0.
@@ -75,7 +75,7 @@ struct Plan {
     std::vector<LightGroup> groups;
     std::vector<MaskPlan> masks;
 
-    std::vector<AovInfo> aovs;            ///< beauty first
+    std::vector<AovInfo> aovs;  ///< beauty first
     std::array<int, 3> lobe_aovs{-1, -1, -1};
     OutputMode mode = OutputMode::replace;
     std::vector<std::string> warnings;

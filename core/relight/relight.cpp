@@ -30,7 +30,7 @@ struct Worker {
     explicit Worker(const Plan& plan) : pass(plan) {}
     ShadePass pass;
     BandReader::Scratch scratch;
-    std::vector<float> rows;           // output planes of a band, for files
+    std::vector<float> rows;  // output planes of a band, for files
     std::vector<ConstPlane> channels;
 };
 
@@ -39,16 +39,19 @@ class Frame {
 public:
     Frame(const GBuffer& gbuffer, const Rig& rig, const RelightOptions& options)
         : plan(gbuffer, rig), reader(gbuffer, plan.requests), window(gbuffer.data_window()), options_(options) {
-        if (options.threads < 0) throw Error(ErrorKind::value, "threads must be 0 (all) or more, not " + std::to_string(options.threads));
-        if (window.empty()) throw Error(ErrorKind::value, "the G-buffer has no pixels (" + std::to_string(window.width) + " × " + std::to_string(window.height) + ")");
+        if (options.threads < 0)
+            throw Error(ErrorKind::value, "threads must be 0 (all) or more, not " + std::to_string(options.threads));
+        if (window.empty())
+            throw Error(ErrorKind::value, "the G-buffer has no pixels (" + std::to_string(window.width) + " × " +
+                                              std::to_string(window.height) + ")");
     }
 
     /// `rows_per_band` a multiple of what reader and writer like. `target_of(worker, y, rows)` gives the AOVs' targets,
     /// planes at the band's first pixel; `done(worker, y, rows)` is called after the band.
-    template <class TargetOf, class Done>
-    void run(int rows_per_band, TargetOf&& target_of, Done&& done, bool stream) {
+    template <class TargetOf, class Done> void run(int rows_per_band, TargetOf&& target_of, Done&& done, bool stream) {
         const int bands = (window.height + rows_per_band - 1) / rows_per_band;
-        const int threads = std::clamp(options_.threads > 0 ? options_.threads : default_threads(), 1, std::max(1, bands));
+        const int threads =
+            std::clamp(options_.threads > 0 ? options_.threads : default_threads(), 1, std::max(1, bands));
         std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(threads));
         std::atomic<int> finished{0};
         parallel_for(bands, threads, options_.cancel, [&](int w, int band) {
@@ -82,13 +85,15 @@ private:
     void shade_rows(Worker& worker, int y, int rows, const std::vector<Target>& targets, bool stream) {
         std::vector<Target> at = targets;
         for (int row = 0; row < rows; ++row) {
-            if (options_.cancel != nullptr && options_.cancel->load(std::memory_order_relaxed)) throw Error(ErrorKind::cancelled, "cancelled");
+            if (options_.cancel != nullptr && options_.cancel->load(std::memory_order_relaxed))
+                throw Error(ErrorKind::cancelled, "cancelled");
             for (int x = 0; x < window.width; x += kTilePixels) {
                 const int count = std::min(kTilePixels, window.width - x);
                 const auto planes = reader.segment(y + row, window.x + x, count, worker.scratch);
                 for (std::size_t a = 0; a < targets.size(); ++a)
                     for (std::size_t k = 0; k < targets[a].planes.size(); ++k)
-                        at[a].planes[k].data = targets[a].planes[k].data + row * targets[a].planes[k].y_stride + x * targets[a].planes[k].x_stride;
+                        at[a].planes[k].data = targets[a].planes[k].data + row * targets[a].planes[k].y_stride +
+                                               x * targets[a].planes[k].x_stride;
                 worker.pass.shade(planes, count, at, stream);
             }
         }
@@ -143,7 +148,8 @@ RelightReport relight(const GBuffer& gbuffer, const Rig& rig, const std::map<std
     return frame.report;
 }
 
-RelightReport relight_to_file(const GBuffer& gbuffer, const Rig& rig, const std::filesystem::path& path, const RelightOptions& options) {
+RelightReport relight_to_file(const GBuffer& gbuffer, const Rig& rig, const std::filesystem::path& path,
+                              const RelightOptions& options) {
     Frame frame(gbuffer, rig, options);
     const OutputLayout layout = output_layout(gbuffer, rig, frame.plan);
     io::ExrWriter writer(path, layout.header, layout.options);
@@ -154,18 +160,22 @@ RelightReport relight_to_file(const GBuffer& gbuffer, const Rig& rig, const std:
     std::size_t components = 0;
     for (const AovInfo& aov : frame.plan.aovs) components += static_cast<std::size_t>(aov.components);
     const auto plane_of = [&](Worker& worker, std::size_t index, int band_rows) {
-        return worker.rows.data() + index * static_cast<std::size_t>(frame.window.width) * static_cast<std::size_t>(band_rows);
+        return worker.rows.data() +
+               index * static_cast<std::size_t>(frame.window.width) * static_cast<std::size_t>(band_rows);
     };
-    const std::ptrdiff_t y_stride = static_cast<std::ptrdiff_t>(frame.window.width) * static_cast<std::ptrdiff_t>(sizeof(float));
+    const std::ptrdiff_t y_stride =
+        static_cast<std::ptrdiff_t>(frame.window.width) * static_cast<std::ptrdiff_t>(sizeof(float));
     frame.run(
         rows,
         [&](Worker& worker, int, int band_rows) {
-            worker.rows.resize(components * static_cast<std::size_t>(frame.window.width) * static_cast<std::size_t>(rows));
+            worker.rows.resize(components * static_cast<std::size_t>(frame.window.width) *
+                               static_cast<std::size_t>(rows));
             std::vector<Target> targets(frame.plan.aovs.size());
             std::size_t index = 0;
             for (std::size_t a = 0; a < targets.size(); ++a)
                 for (int k = 0; k < frame.plan.aovs[a].components; ++k)
-                    targets[a].planes.push_back({reinterpret_cast<std::byte*>(plane_of(worker, index++, band_rows)), PixelType::float32, 4, y_stride});
+                    targets[a].planes.push_back({reinterpret_cast<std::byte*>(plane_of(worker, index++, band_rows)),
+                                                 PixelType::float32, 4, y_stride});
             return targets;
         },
         [&](Worker& worker, int y, int band_rows) {
@@ -176,7 +186,8 @@ RelightReport relight_to_file(const GBuffer& gbuffer, const Rig& rig, const std:
                     for (const int channel : layout.slots[a].channels) {
                         const float* plane = plane_of(worker, index++, band_rows);
                         if (layout.slots[a].part == static_cast<int>(part))
-                            worker.channels[static_cast<std::size_t>(channel)] = {reinterpret_cast<const std::byte*>(plane), PixelType::float32, 4, y_stride};
+                            worker.channels[static_cast<std::size_t>(channel)] = {
+                                reinterpret_cast<const std::byte*>(plane), PixelType::float32, 4, y_stride};
                     }
                 writer.write(static_cast<int>(part), y, band_rows, worker.channels);
             }

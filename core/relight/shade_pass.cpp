@@ -33,9 +33,14 @@ void store_row(const Plane& plane, const float* values, int count) {
 }
 
 ShadePass::ShadePass(const Plan& plan)
-    : plan_(plan), compose_(compose_kernel()), group_planes_(static_cast<int>(kFixed + plan.rules.size() + plan.masks.size())),
-      scratch_(kFixed + plan.rules.size() + plan.masks.size() + 3 * plan.groups.size()), weights_(plan.rules.size()),
-      weight_counts_(plan.rules.size()), weight_full_(plan.rules.size()), masks_(plan.masks.size()),
+    : plan_(plan),
+      compose_(compose_kernel()),
+      group_planes_(static_cast<int>(kFixed + plan.rules.size() + plan.masks.size())),
+      scratch_(kFixed + plan.rules.size() + plan.masks.size() + 3 * plan.groups.size()),
+      weights_(plan.rules.size()),
+      weight_counts_(plan.rules.size()),
+      weight_full_(plan.rules.size()),
+      masks_(plan.masks.size()),
       gathered_mask_pointers_(plan.masks.size()) {
     if (plan.rules.size() > 1) {
         indices_.resize(kTilePixels);
@@ -110,9 +115,9 @@ void ShadePass::compute_weights(std::span<const float* const> planes, int count)
     }
 }
 
-void ShadePass::run(const ShaderBinding& binding, const LightGroup& group, std::span<const float* const> planes, int count,
-                    const float* weight, bool accumulate, bool emission, const Rgb& total) {
-    const auto plane3 = [&](int first, const float* (&to)[3]) {
+void ShadePass::run(const ShaderBinding& binding, const LightGroup& group, std::span<const float* const> planes,
+                    int count, const float* weight, bool accumulate, bool emission, const Rgb& total) {
+    const auto plane3 = [&](int first, const float*(&to)[3]) {
         for (int k = 0; k < 3; ++k) to[k] = first < 0 ? nullptr : planes[static_cast<std::size_t>(first + k)];
     };
     ShaderTile tile{};
@@ -122,13 +127,15 @@ void ShadePass::run(const ShaderBinding& binding, const LightGroup& group, std::
     plane3(plan_.position, tile.position);
     plane3(plan_.view, tile.view);
     plane3(plan_.tangent, tile.tangent);
-    tile.ambient_occlusion = plan_.ambient_occlusion < 0 ? nullptr : planes[static_cast<std::size_t>(plan_.ambient_occlusion)];
+    tile.ambient_occlusion =
+        plan_.ambient_occlusion < 0 ? nullptr : planes[static_cast<std::size_t>(plan_.ambient_occlusion)];
     std::copy(plan_.eye.begin(), plan_.eye.end(), tile.eye);
     tile.constant_view = plan_.constant_view;
 
     slot_pointers_.resize(binding.slot_planes.size() + 1);
     for (std::size_t k = 0; k < binding.slot_planes.size(); ++k)
-        slot_pointers_[k] = binding.slot_planes[k] < 0 ? nullptr : planes[static_cast<std::size_t>(binding.slot_planes[k])];
+        slot_pointers_[k] =
+            binding.slot_planes[k] < 0 ? nullptr : planes[static_cast<std::size_t>(binding.slot_planes[k])];
     tile.slots = slot_pointers_.data();
     tile.constants = binding.constants.data();
     tile.options = binding.options.data();
@@ -138,7 +145,8 @@ void ShadePass::run(const ShaderBinding& binding, const LightGroup& group, std::
     for (std::size_t k = 0; k < direct_.size(); ++k)
         direct_[k].mask = group.direct_masks[k] < 0 ? nullptr : masks_[static_cast<std::size_t>(group.direct_masks[k])];
     for (std::size_t k = 0; k < ambient_.size(); ++k)
-        ambient_[k].mask = group.ambient_masks[k] < 0 ? nullptr : masks_[static_cast<std::size_t>(group.ambient_masks[k])];
+        ambient_[k].mask =
+            group.ambient_masks[k] < 0 ? nullptr : masks_[static_cast<std::size_t>(group.ambient_masks[k])];
     tile.lights = direct_.data();
     tile.light_count = static_cast<std::int32_t>(direct_.size());
     tile.ambients = ambient_.data();
@@ -157,8 +165,9 @@ void ShadePass::run(const ShaderBinding& binding, const LightGroup& group, std::
     saw_nonfinite_ = saw_nonfinite_ || tile.nonfinite > 0;
 }
 
-void ShadePass::run_gathered(const ShaderBinding& binding, const LightGroup& group, std::span<const float* const> planes, int count,
-                             const float* weight, bool emission, const Rgb& total) {
+void ShadePass::run_gathered(const ShaderBinding& binding, const LightGroup& group,
+                             std::span<const float* const> planes, int count, const float* weight, bool emission,
+                             const Rgb& total) {
     int used = 0;
     for (int i = 0; i < count; ++i)
         if (weight[i] > 0.f) indices_[static_cast<std::size_t>(used++)] = i;
@@ -178,10 +187,14 @@ void ShadePass::run_gathered(const ShaderBinding& binding, const LightGroup& gro
     masks_ = gathered_mask_pointers_;
 
     // The lobes' scratch is swapped for gathered planes while the kernel runs.
-    for (int k = 0; k < 9; ++k) std::swap(scratch_[static_cast<std::size_t>(kLobes + k)].data, gathered_outputs_[static_cast<std::size_t>(3 + k)].data);
+    for (int k = 0; k < 9; ++k)
+        std::swap(scratch_[static_cast<std::size_t>(kLobes + k)].data,
+                  gathered_outputs_[static_cast<std::size_t>(3 + k)].data);
     const Rgb out{gathered_outputs_[0].get(), gathered_outputs_[1].get(), gathered_outputs_[2].get()};
     run(binding, group, gathered_pointers_, used, gathered_weight_.get(), false, emission, out);
-    for (int k = 0; k < 9; ++k) std::swap(scratch_[static_cast<std::size_t>(kLobes + k)].data, gathered_outputs_[static_cast<std::size_t>(3 + k)].data);
+    for (int k = 0; k < 9; ++k)
+        std::swap(scratch_[static_cast<std::size_t>(kLobes + k)].data,
+                  gathered_outputs_[static_cast<std::size_t>(3 + k)].data);
     masks_ = masks;
 
     const auto scatter = [&](const float* from, float* to) {
@@ -190,7 +203,8 @@ void ShadePass::run_gathered(const ShaderBinding& binding, const LightGroup& gro
     for (std::size_t k = 0; k < 3; ++k) scatter(out[k], total[k]);
     for (int k = 0; k < 9; ++k)
         if (plan_.lobe_aovs[static_cast<std::size_t>(k / 3)] >= 0)
-            scatter(gathered_outputs_[static_cast<std::size_t>(3 + k)].get(), scratch_[static_cast<std::size_t>(kLobes + k)].get());
+            scatter(gathered_outputs_[static_cast<std::size_t>(3 + k)].get(),
+                    scratch_[static_cast<std::size_t>(kLobes + k)].get());
 }
 
 void ShadePass::count_nonfinite(std::span<const float* const> planes, int count) {
@@ -246,13 +260,15 @@ void ShadePass::shade(std::span<const float* const> planes, int count, std::span
     if (clear) {
         for (float* plane : total) std::fill_n(plane, count, 0.f);
         for (int k = 0; k < 9; ++k)
-            if (plan_.lobe_aovs[static_cast<std::size_t>(k / 3)] >= 0) std::fill_n(scratch_[static_cast<std::size_t>(kLobes + k)].get(), count, 0.f);
+            if (plan_.lobe_aovs[static_cast<std::size_t>(k / 3)] >= 0)
+                std::fill_n(scratch_[static_cast<std::size_t>(kLobes + k)].get(), count, 0.f);
     }
     for (std::size_t g = 0; g < plan_.groups.size(); ++g) {
         const LightGroup& group = plan_.groups[g];
         const bool own = group.aov >= 0;
         const Rgb to = own ? rgb(group_planes_ + 3 * static_cast<int>(g)) : total;
-        if (own) for (float* plane : to) std::fill_n(plane, count, 0.f);
+        if (own)
+            for (float* plane : to) std::fill_n(plane, count, 0.f);
         for (std::size_t r = 0; r < plan_.rules.size(); ++r) {
             const ShaderBinding& binding = plan_.bindings[static_cast<std::size_t>(plan_.rules[r].binding)];
             const bool emission = g == 0;
@@ -282,10 +298,13 @@ void ShadePass::shade(std::span<const float* const> planes, int count, std::span
     const auto pixel_interleaved = [&] {
         if (rgba.size() != 4) return false;
         for (std::size_t k = 0; k < 4; ++k)
-            if (rgba[k].type != PixelType::float32 || rgba[k].x_stride != 16 || rgba[k].data != rgba[0].data + 4 * k) return false;
+            if (rgba[k].type != PixelType::float32 || rgba[k].x_stride != 16 || rgba[k].data != rgba[0].data + 4 * k)
+                return false;
         return reinterpret_cast<std::uintptr_t>(rgba[0].data) % 16 == 0;
     };
-    const auto direct = [&](std::size_t k) { return k < rgba.size() && rgba[k].type == PixelType::float32 && rgba[k].x_stride == 4; };
+    const auto direct = [&](std::size_t k) {
+        return k < rgba.size() && rgba[k].type == PixelType::float32 && rgba[k].x_stride == 4;
+    };
     bool copy[4] = {};
     if (pixel_interleaved()) {
         tile.interleaved = 1;
@@ -302,10 +321,13 @@ void ShadePass::shade(std::span<const float* const> planes, int count, std::span
         if (copy[k]) store_row(rgba[k], tile.rgba[k], count);
 
     for (std::size_t k = 0; k < 3; ++k)
-        if (plan_.lobe_aovs[k] >= 0) write_aov(targets[static_cast<std::size_t>(plan_.lobe_aovs[k])], rgb(kLobes + 3 * static_cast<int>(k)), count);
+        if (plan_.lobe_aovs[k] >= 0)
+            write_aov(targets[static_cast<std::size_t>(plan_.lobe_aovs[k])], rgb(kLobes + 3 * static_cast<int>(k)),
+                      count);
     for (std::size_t g = 0; g < plan_.groups.size(); ++g)
         if (plan_.groups[g].aov >= 0)
-            write_aov(targets[static_cast<std::size_t>(plan_.groups[g].aov)], rgb(group_planes_ + 3 * static_cast<int>(g)), count);
+            write_aov(targets[static_cast<std::size_t>(plan_.groups[g].aov)],
+                      rgb(group_planes_ + 3 * static_cast<int>(g)), count);
     shaded += tile.shaded;
     background += count - tile.shaded;
     if (saw_nonfinite_ || tile.nonfinite > 0) count_nonfinite(planes, count);

@@ -25,8 +25,8 @@ class ShadePass {
 public:
     explicit ShadePass(const Plan& plan);
 
-    /// Shades `count` ≤ kTilePixels pixels. `planes` are the plan's, `targets` (one per AOV of the plan, its planes empty
-    /// where nobody asks) point at the tile's first pixel.
+    /// Shades `count` ≤ kTilePixels pixels. `planes` are the plan's, `targets` (one per AOV of the plan, its planes
+    /// empty where nobody asks) point at the tile's first pixel.
     void shade(std::span<const float* const> planes, int count, std::span<const Target> targets, bool stream);
 
     std::int64_t shaded = 0;
@@ -45,18 +45,18 @@ private:
     void compute_weights(std::span<const float* const> planes, int count);
     void run(const ShaderBinding& binding, const LightGroup& group, std::span<const float* const> planes, int count,
              const float* weight, bool accumulate, bool emission, const Rgb& total);
-    void run_gathered(const ShaderBinding& binding, const LightGroup& group, std::span<const float* const> planes, int count,
-                      const float* weight, bool emission, const Rgb& total);
+    void run_gathered(const ShaderBinding& binding, const LightGroup& group, std::span<const float* const> planes,
+                      int count, const float* weight, bool emission, const Rgb& total);
     void count_nonfinite(std::span<const float* const> planes, int count);
     void write_aov(const Target& target, const Rgb& light, int count);
 
     const Plan& plan_;
     ComposeFunction compose_;
-    int group_planes_;                  // first scratch plane of the light groups' own sums
-    std::vector<Planar> scratch_;       // total, lobes, cover, rgba, weights, masks, groups
-    std::vector<const float*> weights_; // per rule; null: nothing of it here
-    std::vector<int> weight_counts_;    // pixels with a weight above 0
-    std::vector<bool> weight_full_;     // every pixel wholly its own
+    int group_planes_;                   // first scratch plane of the light groups' own sums
+    std::vector<Planar> scratch_;        // total, lobes, cover, rgba, weights, masks, groups
+    std::vector<const float*> weights_;  // per rule; null: nothing of it here
+    std::vector<int> weight_counts_;     // pixels with a weight above 0
+    std::vector<bool> weight_full_;      // every pixel wholly its own
     std::vector<const float*> masks_;
     std::vector<float> interleaved_;
     std::vector<const float*> slot_pointers_;

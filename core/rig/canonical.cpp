@@ -50,7 +50,8 @@ std::optional<std::vector<std::string>> as_texts(const Value& value) {
 }
 
 bool takes_channel(const Parameter& row) {
-    return row.slot >= 0 && (row.type == ParameterType::scalar || row.type == ParameterType::color || row.type == ParameterType::vector);
+    return row.slot >= 0 &&
+           (row.type == ParameterType::scalar || row.type == ParameterType::color || row.type == ParameterType::vector);
 }
 
 class Check {
@@ -74,12 +75,11 @@ public:
         const std::string allowed = std::isinf(row_.max)   ? "at least " + low
                                     : std::isinf(row_.min) ? "at most " + high
                                                            : "within " + low + " … " + high;
-        throw Problem(Problem::Cause::range, name() + " is " + short_number_text(number), "; it must be " + allowed +
-                                             (row_.unit.empty() ? "" : " " + std::string(row_.unit)));
+        throw Problem(Problem::Cause::range, name() + " is " + short_number_text(number),
+                      "; it must be " + allowed + (row_.unit.empty() ? "" : " " + std::string(row_.unit)));
     }
 
-    template <class T>
-    const T& some(const std::optional<T>& converted) const {
+    template <class T> const T& some(const std::optional<T>& converted) const {
         if (!converted) wrong_type();
         return *converted;
     }
@@ -102,7 +102,8 @@ Value canonical(const Parameter& row, const Value& value, std::string_view what)
     const Check check(row, value, what);
     if (const auto* channel = std::get_if<ChannelRef>(&value)) {
         if (!takes_channel(row)) check.wrong_type();
-        if (channel->channel.empty()) throw Problem(Problem::Cause::range, check.name() + ": the channel's name is empty");
+        if (channel->channel.empty())
+            throw Problem(Problem::Cause::range, check.name() + ": the channel's name is empty");
         if (!std::isfinite(channel->scale) || !std::isfinite(channel->offset))
             throw Problem(Problem::Cause::range, check.name() + ": scale and offset must be finite");
         return value;
@@ -134,7 +135,8 @@ Value canonical(const Parameter& row, const Value& value, std::string_view what)
         case ParameterType::text:
             if (!std::holds_alternative<std::string>(value)) check.wrong_type();
             return value;
-        case ParameterType::text_list: return check.some(as_texts(value));
+        case ParameterType::text_list:
+            return check.some(as_texts(value));
         case ParameterType::number_list: {
             const auto numbers = check.some(as_numbers(value));
             if (row.count > 0 && numbers.size() != static_cast<std::size_t>(row.count)) check.wrong_type();

@@ -7,8 +7,8 @@
 
 namespace relume::rigfile {
 
-/// The value in the one form that its row's type is kept in (relume::Value), checked. `what` names the owner in messages.
-/// Throws Problem(type, range, or name for a choice).
+/// The value in the one form that its row's type is kept in (relume::Value), checked. `what` names the owner in
+/// messages. Throws Problem(type, range, or name for a choice).
 Value canonical(const Parameter& row, const Value& value, std::string_view what);
 
 }  // namespace relume::rigfile

@@ -32,8 +32,7 @@ Node::Table convert_table(const toml::table& table, int depth) {
     return out;
 }
 
-template <class T, class Out = T>
-std::optional<std::vector<Out>> list_of(const toml::array& array) {
+template <class T, class Out = T> std::optional<std::vector<Out>> list_of(const toml::array& array) {
     std::vector<Out> out;
     for (const toml::node& item : array) {
         if (const auto value = item.value_exact<T>()) out.push_back(Out(*value));
@@ -170,8 +169,11 @@ std::string_view line_of(std::string_view text, std::uint32_t line) {
 }
 
 bool is_word(std::string_view text) {
-    const auto in_word = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-'; };
-    return !text.empty() && !(text[0] >= '0' && text[0] <= '9') && text[0] != '-' && std::all_of(text.begin(), text.end(), in_word);
+    const auto in_word = [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+    };
+    return !text.empty() && !(text[0] >= '0' && text[0] <= '9') && text[0] != '-' &&
+           std::all_of(text.begin(), text.end(), in_word);
 }
 
 /// As RFC 3629 has it: no overlong forms, no surrogates, nothing above U+10FFFF.
@@ -195,11 +197,14 @@ bool is_utf8(std::string_view text) {
 /// The line of a syntax error, and what is often meant by it.
 std::string shown_line(std::string_view line) {
     const std::size_t equals = line.find('=');
-    const std::string_view value = equals == std::string_view::npos ? std::string_view{} : trimmed(line.substr(equals + 1, line.find('#') - equals - 1));
+    const std::string_view value = equals == std::string_view::npos
+                                       ? std::string_view{}
+                                       : trimmed(line.substr(equals + 1, line.find('#') - equals - 1));
     std::string hint;
     if (value == "True" || value == "False" || value == "yes" || value == "no" || value == "on" || value == "off")
         hint = "; write true or false";
-    else if (value != "true" && value != "false" && value.size() <= kLongestHint && is_word(value)) hint = "; a string stands in quotes: " + string_text(value);
+    else if (value != "true" && value != "false" && value.size() <= kLongestHint && is_word(value))
+        hint = "; a string stands in quotes: " + string_text(value);
     return line.empty() ? hint : ", in " + in_quotes(line) + hint;
 }
 
@@ -236,12 +241,14 @@ Node::Table parse(const Source& source) {
     if (source.text.starts_with("\xFF\xFE") || source.text.starts_with("\xFE\xFF"))
         throw Error(ErrorKind::rig, source.name + " is UTF-16 text; a rig is UTF-8: save it again as that");
     if (const auto deep = DotScan(source.text).too_deep())
-        throw Error(ErrorKind::rig, "a key of more than " + std::to_string(kMostDots) + " parts at " + source.place(*deep));
+        throw Error(ErrorKind::rig,
+                    "a key of more than " + std::to_string(kMostDots) + " parts at " + source.place(*deep));
     try {
         if (const auto table = parsed(source.text, source.name)) return convert_table(*table, 0);
         throw Error(ErrorKind::rig, "not valid TOML at " + source.place({broken_line(source.text), 1}));
     } catch (const toml::parse_error& error) {
-        throw Error(ErrorKind::rig, "not valid TOML at " + source.place(place_of(error.source())) + ": " + plain(error.description()) +
+        throw Error(ErrorKind::rig, "not valid TOML at " + source.place(place_of(error.source())) + ": " +
+                                        plain(error.description()) +
                                         shown_line(line_of(source.text, error.source().begin.line)));
     }
 }

@@ -54,8 +54,8 @@ struct Source {
 /// Throws Error(rig) with the place for what is not TOML or not UTF-8.
 Node::Table parse(const Source& source);
 
-/// A value as on the command line: TOML, or a bare word. Tables come as Node::Table. Throws Problem(type) when it starts
-/// like TOML's strings, lists or tables and is none.
+/// A value as on the command line: TOML, or a bare word. Tables come as Node::Table. Throws Problem(type) when it
+/// starts like TOML's strings, lists or tables and is none.
 Node parse_value(std::string_view text);
 
 }  // namespace relume::rigfile

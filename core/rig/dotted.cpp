@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rig::set and Rig::get: one key by its dotted path.
-#include <charconv>
 #include <algorithm>
+#include <charconv>
 
 #include "relume/light.h"
 #include "rig/document.h"
@@ -12,8 +12,8 @@ namespace relume {
 
 namespace {
 
-using rigfile::Problem;
 using rigfile::in_quotes;
+using rigfile::Problem;
 
 constexpr std::string_view kSections[] = {"gbuffer", "camera", "light", "shader", "output"};
 
@@ -52,7 +52,8 @@ std::optional<std::size_t> index_of(std::string_view text) {
     return index;
 }
 
-void require_parts(const std::vector<std::string>& parts, std::size_t count, std::string_view dotted, const char* form) {
+void require_parts(const std::vector<std::string>& parts, std::size_t count, std::string_view dotted,
+                   const char* form) {
     if (parts.size() != count) refuse_path(dotted, std::string("is not a key; write ") + form);
 }
 
@@ -71,8 +72,9 @@ std::size_t light_index(const Rig& rig, const std::string& name) {
 std::size_t shader_index(const Rig& rig, const std::string& text) {
     const std::size_t count = std::max<std::size_t>(rig.shaders.size(), 1);
     if (const auto index = index_of(text); index && *index < count) return *index;
-    throw Problem(Problem::Cause::name, "the rig has no shader " + in_quotes(text),
-                  count == 1 ? "; its one shader is shader.0" : "; they are shader.0 to shader." + std::to_string(count - 1));
+    throw Problem(
+        Problem::Cause::name, "the rig has no shader " + in_quotes(text),
+        count == 1 ? "; its one shader is shader.0" : "; they are shader.0 to shader." + std::to_string(count - 1));
 }
 
 ShaderUse default_shader() {
@@ -86,7 +88,8 @@ Value for_row(const Parameter* row, const rigfile::Node& node, std::string_view 
     const auto* value = std::get_if<Value>(&node.data);
     const bool wants_text = row != nullptr && (row->type == ParameterType::text || row->type == ParameterType::choice ||
                                                row->type == ParameterType::text_list);
-    const bool is_text = value != nullptr && (std::holds_alternative<std::string>(*value) || std::holds_alternative<std::vector<std::string>>(*value) ||
+    const bool is_text = value != nullptr && (std::holds_alternative<std::string>(*value) ||
+                                              std::holds_alternative<std::vector<std::string>>(*value) ||
                                               std::holds_alternative<std::vector<double>>(*value));
     if (wants_text && !is_text && node.table() == nullptr) return std::string(text);
     if (value == nullptr) throw Problem(Problem::Cause::type, std::string(what) + " cannot be " + node.describe());
@@ -95,7 +98,8 @@ Value for_row(const Parameter* row, const rigfile::Node& node, std::string_view 
 
 std::string as_text(const Value& value, std::string_view what) {
     const auto* text = std::get_if<std::string>(&value);
-    if (text == nullptr || text->empty()) throw Problem(Problem::Cause::type, std::string(what) + " takes a name, not " + rigfile::describe(value));
+    if (text == nullptr || text->empty())
+        throw Problem(Problem::Cause::type, std::string(what) + " takes a name, not " + rigfile::describe(value));
     return *text;
 }
 
@@ -111,8 +115,11 @@ public:
         else if (section == "light") set_light();
         else if (section == "shader") set_shader();
         else if (section == "output") set_output();
-        else if (section == "version" || section == "include") refuse_path(dotted_, "cannot be set; it belongs to the file");
-        else throw Problem(Problem::Cause::name, "unknown section " + in_quotes(section) + " in " + in_quotes(dotted_), rigfile::suggestion(section, kSections));
+        else if (section == "version" || section == "include")
+            refuse_path(dotted_, "cannot be set; it belongs to the file");
+        else
+            throw Problem(Problem::Cause::name, "unknown section " + in_quotes(section) + " in " + in_quotes(dotted_),
+                          rigfile::suggestion(section, kSections));
     }
 
 private:
@@ -132,7 +139,8 @@ private:
             ChannelRule rule;
             if (const auto* table = node_.table()) {
                 for (const rigfile::Entry& entry : table->entries)
-                    rigfile::set_channel_rule(rule, entry.key, for_row(nullptr, entry.node, {}, in_quotes(dotted_)), what);
+                    rigfile::set_channel_rule(rule, entry.key, for_row(nullptr, entry.node, {}, in_quotes(dotted_)),
+                                              what);
             } else {
                 rigfile::set_channel_rule(rule, "channel", value(channel_rule_parameters(), "channel"), what);
             }
@@ -141,7 +149,8 @@ private:
         }
         require_parts(parts_, 4, dotted_, "gbuffer.channels.NAME.KEY");
         ChannelRule rule;
-        if (const auto known = rig_.gbuffer.channels.find(name); known != rig_.gbuffer.channels.end()) rule = known->second;
+        if (const auto known = rig_.gbuffer.channels.find(name); known != rig_.gbuffer.channels.end())
+            rule = known->second;
         rigfile::set_channel_rule(rule, parts_[3], value(channel_rule_parameters(), parts_[3]), what);
         rig_.gbuffer.channels[name] = std::move(rule);
     }
@@ -158,13 +167,15 @@ private:
         if (key == "name") {
             const std::string name = as_text(value(light_key_parameters(), key), in_quotes(dotted_));
             const Light* other = rig_.light(name);
-            if (other != nullptr && other != &light) throw Problem(Problem::Cause::name, "the rig has a light " + in_quotes(name) + " already");
+            if (other != nullptr && other != &light)
+                throw Problem(Problem::Cause::name, "the rig has a light " + in_quotes(name) + " already");
             light.name = name;
         } else if (key == "type") {
             rigfile::set_light_type(light, as_text(value(light_key_parameters(), key), in_quotes(dotted_)));
         } else {
             const LightType* type = find_light_type(light.type);
-            rigfile::set_light(light, key, value(type == nullptr ? std::span<const Parameter>{} : type->parameters, key));
+            rigfile::set_light(light, key,
+                               value(type == nullptr ? std::span<const Parameter>{} : type->parameters, key));
         }
     }
 
@@ -179,11 +190,13 @@ private:
             const std::string what = rigfile::shader_label(shader) + ": " + rigfile::one_line(key);
             ParameterValues values;
             for (const rigfile::Entry& entry : table->entries)
-                values.set(channel_ref_parameters(), entry.key, for_row(nullptr, entry.node, {}, in_quotes(dotted_)), what);
+                values.set(channel_ref_parameters(), entry.key, for_row(nullptr, entry.node, {}, in_quotes(dotted_)),
+                           what);
             rigfile::set_shader(shader, key, rigfile::channel_ref(values, what));
         } else {
             const bool match = rigfile::find_row(shader_key_parameters(), key) != nullptr;
-            rigfile::set_shader(shader, key, value(match ? shader_key_parameters() : shader_use_parameters(shader.use), key));
+            rigfile::set_shader(shader, key,
+                                value(match ? shader_key_parameters() : shader_use_parameters(shader.use), key));
         }
         if (rig_.shaders.empty()) rig_.shaders.emplace_back();
         rig_.shaders[index] = std::move(shader);
@@ -204,7 +217,8 @@ private:
 /// The value of a key and its row.
 using Found = std::pair<const Parameter*, std::optional<Value>>;
 
-Found find_value(std::span<const Parameter> table, const ParameterValues& values, const std::string& name, const std::string& what) {
+Found find_value(std::span<const Parameter> table, const ParameterValues& values, const std::string& name,
+                 const std::string& what) {
     const Parameter& row = rigfile::require_row(table, name, what);
     const Value* value = values.find(name);
     return {&row, value == nullptr ? std::nullopt : std::optional<Value>(*value)};
@@ -230,7 +244,8 @@ Found find_light(const Rig& rig, const std::vector<std::string>& parts, std::str
     if (parts[2] == "name") return {&light_key_parameters()[0], light.name};
     if (parts[2] == "type") return {&light_key_parameters()[1], light.type};
     const LightType* type = find_light_type(light.type);
-    return find_value(type == nullptr ? std::span<const Parameter>{} : type->parameters, light.values, parts[2], rigfile::light_label(light));
+    return find_value(type == nullptr ? std::span<const Parameter>{} : type->parameters, light.values, parts[2],
+                      rigfile::light_label(light));
 }
 
 Found find_shader_value(const Rig& rig, const std::vector<std::string>& parts, std::string_view dotted) {
@@ -238,7 +253,8 @@ Found find_shader_value(const Rig& rig, const std::vector<std::string>& parts, s
     const std::size_t index = shader_index(rig, parts[1]);
     const ShaderUse shader = rig.shaders.empty() ? default_shader() : rig.shaders[index];
     if (const Parameter* row = rigfile::find_row(shader_key_parameters(), parts[2]))
-        return {row, row->name == "use" ? std::optional<Value>(shader.use) : rigfile::get_shader_match(shader, row->name)};
+        return {row,
+                row->name == "use" ? std::optional<Value>(shader.use) : rigfile::get_shader_match(shader, row->name)};
     return find_value(shader_use_parameters(shader.use), shader.values, parts[2], rigfile::shader_label(shader));
 }
 
@@ -260,7 +276,8 @@ Found find(const Rig& rig, const std::vector<std::string>& parts, std::string_vi
         require_parts(parts, 2, dotted, "output.KEY");
         return find_value(output_parameters(), rig.output.values, parts[1], "[output]");
     }
-    throw Problem(Problem::Cause::name, "unknown section " + in_quotes(section) + " in " + in_quotes(dotted), rigfile::suggestion(section, kSections));
+    throw Problem(Problem::Cause::name, "unknown section " + in_quotes(section) + " in " + in_quotes(dotted),
+                  rigfile::suggestion(section, kSections));
 }
 
 /// The default as a value; absent rows have none.
@@ -269,15 +286,22 @@ std::optional<Value> default_value(const Parameter& row) {
     const Parameter table[] = {row};
     const ParameterValues none;
     switch (row.type) {
-        case ParameterType::scalar: return none.number(table, row.name);
+        case ParameterType::scalar:
+            return none.number(table, row.name);
         case ParameterType::color:
-        case ParameterType::vector: return none.triple(table, row.name);
-        case ParameterType::boolean: return none.boolean(table, row.name);
-        case ParameterType::integer: return static_cast<std::int64_t>(none.number(table, row.name));
+        case ParameterType::vector:
+            return none.triple(table, row.name);
+        case ParameterType::boolean:
+            return none.boolean(table, row.name);
+        case ParameterType::integer:
+            return static_cast<std::int64_t>(none.number(table, row.name));
         case ParameterType::choice:
-        case ParameterType::text: return none.text(table, row.name);
-        case ParameterType::text_list: return none.texts(table, row.name);
-        case ParameterType::number_list: return none.numbers(table, row.name);
+        case ParameterType::text:
+            return none.text(table, row.name);
+        case ParameterType::text_list:
+            return none.texts(table, row.name);
+        case ParameterType::number_list:
+            return none.numbers(table, row.name);
     }
     return std::nullopt;
 }

@@ -25,7 +25,8 @@ struct Holder {
 std::optional<Holder> width_holder(std::string_view text, std::size_t start, std::string_view end) {
     std::size_t at = start;
     int width = 0;
-    while (at < text.size() && text[at] >= '0' && text[at] <= '9' && width <= kWidest) width = 10 * width + (text[at++] - '0');
+    while (at < text.size() && text[at] >= '0' && text[at] <= '9' && width <= kWidest)
+        width = 10 * width + (text[at++] - '0');
     if (width > kWidest || text.substr(at, end.size()) != end) return std::nullopt;
     return Holder{at + end.size(), width};
 }
@@ -57,8 +58,7 @@ std::string padded(std::int64_t frame, int width) {
 }
 
 /// Calls `text` for what stays and `holder` for what stands for the frame.
-template <class Text, class Frame>
-void scan(std::string_view pattern, Text text, Frame frame) {
+template <class Text, class Frame> void scan(std::string_view pattern, Text text, Frame frame) {
     const std::size_t slash = pattern.rfind('/');
     for (std::size_t at = 0; at < pattern.size();) {
         const bool in_folder = slash != std::string_view::npos && at < slash;
@@ -68,7 +68,8 @@ void scan(std::string_view pattern, Text text, Frame frame) {
             continue;
         }
         // A run of # that is no place holder is passed over as a whole.
-        const std::size_t length = pattern[at] == '#' ? std::min(pattern.find_first_not_of('#', at), pattern.size()) - at : 1;
+        const std::size_t length =
+            pattern[at] == '#' ? std::min(pattern.find_first_not_of('#', at), pattern.size()) - at : 1;
         text(pattern.substr(at, length));
         at += length;
     }
@@ -127,13 +128,15 @@ Range parse_range(std::string_view part) {
 
 bool is_pattern(std::string_view pattern) {
     bool found = false;
-    scan(pattern, [](std::string_view) {}, [&](int) { found = true; });
+    scan(
+        pattern, [](std::string_view) {}, [&](int) { found = true; });
     return found;
 }
 
 std::string resolve_frame(std::string_view pattern, std::int64_t frame) {
     std::string out;
-    scan(pattern, [&](std::string_view text) { out += text; }, [&](int width) { out += padded(frame, width); });
+    scan(
+        pattern, [&](std::string_view text) { out += text; }, [&](int width) { out += padded(frame, width); });
     return out;
 }
 

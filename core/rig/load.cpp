@@ -42,7 +42,8 @@ public:
         std::error_code error;
         const bool there = std::filesystem::exists(path, error);
         const BuiltinRig* builtin = there && !std::filesystem::is_directory(path, error) ? nullptr : find_builtin(name);
-        if (builtin != nullptr) return load_text({"built-in rig '" + name + "'", std::string(builtin->toml)}, {}, "builtin:" + name);
+        if (builtin != nullptr)
+            return load_text({"built-in rig '" + name + "'", std::string(builtin->toml)}, {}, "builtin:" + name);
         if (!there) {
             const std::string near = nearest_name(name, builtin_names());
             throw Error(ErrorKind::file, shown(path) + ": no such rig file" + from +
@@ -75,11 +76,14 @@ public:
         for (const Light& light : rig_.lights)
             for (const Parameter& p : find_light_type(light.type)->parameters)
                 if (!p.has_default && p.type == ParameterType::vector && !light.values.given(p.name))
-                    throw Error(ErrorKind::rig, light_label(light) + " has no " + std::string(p.name) + " at " + places_[light.name] +
-                                                    "; a " + light.type + " light needs one: " + std::string(p.name) + " = [x, y, z]");
+                    throw Error(ErrorKind::rig, light_label(light) + " has no " + std::string(p.name) + " at " +
+                                                    places_[light.name] + "; a " + light.type +
+                                                    " light needs one: " + std::string(p.name) + " = [x, y, z]");
         const auto& camera = rig_.gbuffer;
         if (camera.focal_length.has_value() != camera.horizontal_aperture.has_value())
-            throw Error(ErrorKind::rig, std::string("[camera] has ") + (camera.focal_length ? "focal_length without horizontal_aperture" : "horizontal_aperture without focal_length") +
+            throw Error(ErrorKind::rig, std::string("[camera] has ") +
+                                            (camera.focal_length ? "focal_length without horizontal_aperture"
+                                                                 : "horizontal_aperture without focal_length") +
                                             at(camera_place_) + "; give both, or fov");
     }
 
@@ -101,21 +105,23 @@ private:
 
     [[noreturn]] static void refuse_section(const Source& source, const Entry& entry) {
         if (entry.key == "original_light")
-            throw Error(ErrorKind::rig, "[[original_light]] at " + source.place(entry.at) + " is not in this version of relume; remove it");
+            throw Error(ErrorKind::rig, "[[original_light]] at " + source.place(entry.at) +
+                                            " is not in this version of relume; remove it");
         const bool list = std::holds_alternative<Node::Tables>(entry.node.data);
         const std::string what = entry.node.table() != nullptr ? "section [" + one_line(entry.key) + "]"
                                  : list                        ? "section [[" + one_line(entry.key) + "]]"
                                                                : "key " + in_quotes(entry.key);
-        throw Problem(Problem::Cause::name, "unknown " + what, suggestion(entry.key, kSections)).at(source.place(entry.at));
+        throw Problem(Problem::Cause::name, "unknown " + what, suggestion(entry.key, kSections))
+            .at(source.place(entry.at));
     }
 
     /// Calls what sets a key; a Problem gets the key's place.
-    template <class Set>
-    static void apply(const Source& source, const Entry& entry, std::string_view what, Set set) {
+    template <class Set> static void apply(const Source& source, const Entry& entry, std::string_view what, Set set) {
         const auto* value = std::get_if<Value>(&entry.node.data);
         try {
             if (value == nullptr)
-                throw Problem(Problem::Cause::type, std::string(what) + ": " + one_line(entry.key) + " cannot be " + entry.node.describe());
+                throw Problem(Problem::Cause::type,
+                              std::string(what) + ": " + one_line(entry.key) + " cannot be " + entry.node.describe());
             set(*value);
         } catch (const Problem& problem) {
             throw problem.at(source.place(entry.at));
@@ -124,7 +130,8 @@ private:
 
     static const Node::Table& table_of(const Source& source, const Entry& entry, const std::string& section) {
         if (const auto* table = entry.node.table()) return *table;
-        throw Problem(Problem::Cause::type, in_quotes(entry.key) + " is " + entry.node.describe(), "; it is a section: write " + section)
+        throw Problem(Problem::Cause::type, in_quotes(entry.key) + " is " + entry.node.describe(),
+                      "; it is a section: write " + section)
             .at(source.place(entry.at));
     }
 
@@ -134,16 +141,19 @@ private:
         const auto* value = std::get_if<Value>(&entry.node.data);
         const auto* list = value == nullptr ? nullptr : std::get_if<std::vector<double>>(value);
         if (list != nullptr && list->empty()) return none;
-        throw Problem(Problem::Cause::type, in_quotes(entry.key) + " is " + entry.node.describe(), "; write [[" + entry.key + "]], once for each")
+        throw Problem(Problem::Cause::type, in_quotes(entry.key) + " is " + entry.node.describe(),
+                      "; write [[" + entry.key + "]], once for each")
             .at(source.place(entry.at));
     }
 
     static void check_version(const Source& source, const Entry& entry) {
         apply(source, entry, "the rig", [&](const Value& value) {
             const auto* version = std::get_if<std::int64_t>(&value);
-            if (version == nullptr) throw Problem(Problem::Cause::type, "version takes the number 1, not " + describe(value));
+            if (version == nullptr)
+                throw Problem(Problem::Cause::type, "version takes the number 1, not " + describe(value));
             if (*version != 1)
-                throw Problem(Problem::Cause::name, "version is " + std::to_string(*version), "; this relume reads version 1");
+                throw Problem(Problem::Cause::name, "version is " + std::to_string(*version),
+                              "; this relume reads version 1");
         });
     }
 
@@ -152,7 +162,8 @@ private:
         if (entry == nullptr) return;
         std::vector<std::string> names;
         apply(source, *entry, "the rig", [&](const Value& value) {
-            names = std::get<std::vector<std::string>>(canonical(require_row(rig_parameters(), "include", "the rig"), value, "the rig"));
+            names = std::get<std::vector<std::string>>(
+                canonical(require_row(rig_parameters(), "include", "the rig"), value, "the rig"));
         });
         for (const std::string& name : names) load_name(name, folder, " (included at " + source.place(entry->at) + ")");
     }
@@ -160,7 +171,8 @@ private:
     void read_gbuffer(const Source& source, const Node::Table& table, const std::filesystem::path& folder) {
         for (const Entry& entry : table.entries) {
             if (entry.key == "channels") {
-                for (const Entry& channel : table_of(source, entry, "[gbuffer.channels]").entries) read_channel(source, channel, folder);
+                for (const Entry& channel : table_of(source, entry, "[gbuffer.channels]").entries)
+                    read_channel(source, channel, folder);
                 continue;
             }
             apply(source, entry, "[gbuffer]", [&](const Value& value) { set_gbuffer(rig_, entry.key, value); });
@@ -180,7 +192,8 @@ private:
             for (const Entry& key : table->entries)
                 apply(source, key, what, [&](const Value& value) { set_channel_rule(rule, key.key, value, what); });
         } else {
-            apply(source, entry, "[gbuffer.channels]", [&](const Value& value) { set_channel_rule(rule, "channel", value, what); });
+            apply(source, entry, "[gbuffer.channels]",
+                  [&](const Value& value) { set_channel_rule(rule, "channel", value, what); });
         }
         if (rule.channel && names_a_file(*rule.channel)) rule.channel = resolved(*rule.channel, folder);
         rig_.gbuffer.channels[entry.key] = std::move(rule);
@@ -192,7 +205,8 @@ private:
         const Entry* fov = table.find("fov");
         for (const std::string_view other : {"focal_length", "horizontal_aperture"})
             if (fov != nullptr && table.find(other) != nullptr)
-                throw Error(ErrorKind::rig, "[camera] has fov and " + std::string(other) + " at " + source.place(fov->at) + "; give one of the two");
+                throw Error(ErrorKind::rig, "[camera] has fov and " + std::string(other) + " at " +
+                                                source.place(fov->at) + "; give one of the two");
         for (const Entry& entry : table.entries)
             apply(source, entry, "[camera]", [&](const Value& value) { set_camera(rig_.gbuffer, entry.key, value); });
     }
@@ -206,7 +220,9 @@ private:
         std::string text;
         apply(source, entry, what, [&](const Value& value) {
             const auto* string = std::get_if<std::string>(&value);
-            if (string == nullptr) throw Problem(Problem::Cause::type, std::string(what) + ": " + entry.key + " takes a string, not " + describe(value));
+            if (string == nullptr)
+                throw Problem(Problem::Cause::type,
+                              std::string(what) + ": " + entry.key + " takes a string, not " + describe(value));
             text = *string;
             if (text.empty()) throw Problem(Problem::Cause::type, std::string(what) + ": " + entry.key + " is empty");
         });
@@ -220,21 +236,22 @@ private:
                 const std::string text = text_of(source, *name, "[[light]]");
                 const auto [first, fresh] = own.try_emplace(text, name->at);
                 if (!fresh)
-                    throw Error(ErrorKind::rig, "two lights are named " + in_quotes(text) + " at " + source.place(name->at) +
-                                                    "; the first is at " + source.place(first->second) + ": names are unique");
+                    throw Error(ErrorKind::rig, "two lights are named " + in_quotes(text) + " at " +
+                                                    source.place(name->at) + "; the first is at " +
+                                                    source.place(first->second) + ": names are unique");
             }
         for (const Node& node : tables) read_light(source, node, own);
     }
 
-    template <class Names>
-    void read_light(const Source& source, const Node& node, const Names& own) {
+    template <class Names> void read_light(const Source& source, const Node& node, const Names& own) {
         const Node::Table& table = *node.table();
         const Entry* name = table.find("name");
         const Entry* type = table.find("type");
         const std::string place = source.place(node.at);
         Light* light = name == nullptr ? nullptr : find_light(text_of(source, *name, "[[light]]"));
         if (light == nullptr) {
-            const std::string label = name == nullptr ? "a light" : "light " + in_quotes(text_of(source, *name, "[[light]]"));
+            const std::string label =
+                name == nullptr ? "a light" : "light " + in_quotes(text_of(source, *name, "[[light]]"));
             if (type == nullptr) {
                 std::string list;
                 for (const LightType& t : light_types()) list += (list.empty() ? "" : ", ") + std::string(t.name);
@@ -247,18 +264,21 @@ private:
         }
         places_[light->name] = place;
         if (type != nullptr)
-            apply(source, *type, light_label(*light), [&](const Value&) { set_light_type(*light, text_of(source, *type, light_label(*light))); });
+            apply(source, *type, light_label(*light),
+                  [&](const Value&) { set_light_type(*light, text_of(source, *type, light_label(*light))); });
         refuse_both(source, *light, table, "power", "intensity");
         for (const Entry& entry : table.entries)
             if (&entry != name && &entry != type)
-                apply(source, entry, light_label(*light), [&](const Value& value) { set_light(*light, entry.key, value); });
+                apply(source, entry, light_label(*light),
+                      [&](const Value& value) { set_light(*light, entry.key, value); });
     }
 
-    static void refuse_both(const Source& source, const Light& light, const Node::Table& table, std::string_view a, std::string_view b) {
+    static void refuse_both(const Source& source, const Light& light, const Node::Table& table, std::string_view a,
+                            std::string_view b) {
         const Entry* first = table.find(a);
         if (first != nullptr && table.find(b) != nullptr)
-            throw Error(ErrorKind::rig, light_label(light) + " has both " + std::string(a) + " and " + std::string(b) + " at " +
-                                            source.place(first->at) + "; give one of the two");
+            throw Error(ErrorKind::rig, light_label(light) + " has both " + std::string(a) + " and " + std::string(b) +
+                                            " at " + source.place(first->at) + "; give one of the two");
     }
 
     Light* find_light(const std::string& name) {
@@ -266,8 +286,7 @@ private:
         return found == index_.end() ? nullptr : &rig_.lights[found->second];
     }
 
-    template <class Names>
-    std::string free_name(const std::string& type, const Names& own) {
+    template <class Names> std::string free_name(const std::string& type, const Names& own) {
         const auto taken = [&](const std::string& name) { return index_.contains(name) || own.contains(name); };
         if (!taken(type)) return type;
         std::size_t& number = numbers_.try_emplace(type, 1).first->second;
@@ -283,9 +302,11 @@ private:
             const Node::Table& table = *node.table();
             const Entry* use = table.find("use");
             if (use == nullptr)
-                throw Error(ErrorKind::rig, "a [[shader]] has no use at " + source.place(node.at) + "; give use, the name of a shading model");
+                throw Error(ErrorKind::rig, "a [[shader]] has no use at " + source.place(node.at) +
+                                                "; give use, the name of a shading model");
             ShaderUse shader;
-            apply(source, *use, "[[shader]]", [&](const Value&) { set_shader_use(shader, text_of(source, *use, "[[shader]]")); });
+            apply(source, *use, "[[shader]]",
+                  [&](const Value&) { set_shader_use(shader, text_of(source, *use, "[[shader]]")); });
             for (const Entry& entry : table.entries)
                 if (&entry != use) read_shader_key(source, entry, shader);
             read.push_back(std::move(shader));
@@ -296,7 +317,8 @@ private:
             rig_.shaders = std::move(read);
             return;
         }
-        const auto defaults = std::stable_partition(read.begin(), read.end(), [](const ShaderUse& s) { return !s.matches_all(); });
+        const auto defaults =
+            std::stable_partition(read.begin(), read.end(), [](const ShaderUse& s) { return !s.matches_all(); });
         rig_.shaders.insert(rig_.shaders.begin(), read.begin(), defaults);
         rig_.shaders.insert(rig_.shaders.end(), defaults, read.end());
     }
@@ -304,13 +326,15 @@ private:
     static void read_shader_key(const Source& source, const Entry& entry, ShaderUse& shader) {
         const auto* table = entry.node.table();
         if (table == nullptr) {
-            apply(source, entry, shader_label(shader), [&](const Value& value) { set_shader(shader, entry.key, value); });
+            apply(source, entry, shader_label(shader),
+                  [&](const Value& value) { set_shader(shader, entry.key, value); });
             return;
         }
         const std::string what = shader_label(shader) + ": " + one_line(entry.key);
         ParameterValues values;
         for (const Entry& key : table->entries)
-            apply(source, key, what, [&](const Value& value) { values.set(channel_ref_parameters(), key.key, value, what); });
+            apply(source, key, what,
+                  [&](const Value& value) { values.set(channel_ref_parameters(), key.key, value, what); });
         try {
             set_shader(shader, entry.key, channel_ref(values, what));
         } catch (const Problem& problem) {
@@ -351,7 +375,8 @@ Rig Rig::loads(std::string_view toml, std::string_view name) {
 Rig Rig::builtin(std::string_view name) {
     const auto* found = rigfile::find_builtin(name);
     if (found == nullptr)
-        throw Error(ErrorKind::rig, "no built-in rig " + rigfile::in_quotes(name) + rigfile::suggestion(name, rigfile::builtin_names()));
+        throw Error(ErrorKind::rig, "no built-in rig " + rigfile::in_quotes(name) +
+                                        rigfile::suggestion(name, rigfile::builtin_names()));
     return loads(found->toml, "built-in rig '" + std::string(name) + "'");
 }
 

@@ -12,9 +12,18 @@ namespace relume {
 namespace {
 
 // In the engine's numbering.
-constexpr std::string_view kShadingModels[] = {
-    "unlit", "default_lit", "subsurface",        "preintegrated_skin", "clear_coat",         "subsurface_profile",
-    "two_sided_foliage",    "hair", "cloth",     "eye",                "single_layer_water", "thin_translucent"};
+constexpr std::string_view kShadingModels[] = {"unlit",
+                                               "default_lit",
+                                               "subsurface",
+                                               "preintegrated_skin",
+                                               "clear_coat",
+                                               "subsurface_profile",
+                                               "two_sided_foliage",
+                                               "hair",
+                                               "cloth",
+                                               "eye",
+                                               "single_layer_water",
+                                               "thin_translucent"};
 
 bool alike(const Parameter& a, const Parameter& b) { return a.type == b.type && a.choices == b.choices; }
 
@@ -31,7 +40,9 @@ std::vector<Parameter> common_parameters() {
             else if (!alike(*known, row)) disputed.push_back(row.name);
         }
     }
-    std::erase_if(rows, [&](const Parameter& p) { return std::find(disputed.begin(), disputed.end(), p.name) != disputed.end(); });
+    std::erase_if(rows, [&](const Parameter& p) {
+        return std::find(disputed.begin(), disputed.end(), p.name) != disputed.end();
+    });
     return rows;
 }
 
@@ -52,7 +63,8 @@ std::span<const Parameter> shader_use_parameters(std::string_view use) {
     std::vector<std::string_view> names;
     for (const ShaderInfo& s : shaders()) names.push_back(s.name);
     names.push_back(kFromMaterialExpression);
-    throw rigfile::Problem(rigfile::Problem::Cause::name, "unknown shader " + rigfile::in_quotes(use), rigfile::suggestion(use, names));
+    throw rigfile::Problem(rigfile::Problem::Cause::name, "unknown shader " + rigfile::in_quotes(use),
+                           rigfile::suggestion(use, names));
 }
 
 std::vector<std::string_view> channel_names() {

@@ -28,7 +28,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
         for (std::size_t j = 1; j < columns; ++j) {
             const bool same = folded(a[i - 1]) == folded(b[j - 1]);
             row[j] = std::min({above[j] + 1, row[j - 1] + 1, above[j - 1] + (same ? 0 : 1)});
-            const bool swapped = i > 1 && j > 1 && folded(a[i - 1]) == folded(b[j - 2]) && folded(a[i - 2]) == folded(b[j - 1]);
+            const bool swapped =
+                i > 1 && j > 1 && folded(a[i - 1]) == folded(b[j - 2]) && folded(a[i - 2]) == folded(b[j - 1]);
             if (swapped) row[j] = std::min(row[j], before[j - 2] + 1);
         }
         std::swap(before, above);
@@ -62,8 +63,8 @@ std::string nearest_name(std::string_view word, std::span<const std::string_view
         if (candidate.size() > kLongestWord) continue;
         const std::size_t allowed = 1 + std::max(word.size(), candidate.size()) / 4;
         std::size_t distance = edit_distance(word, candidate);
-        // "rough" for roughness, "angle" for cone_angle: a start or a part of three letters or more is as good as the last
-        // distance that still counts.
+        // "rough" for roughness, "angle" for cone_angle: a start or a part of three letters or more is as good as the
+        // last distance that still counts.
         const bool start = word.size() >= 3 && candidate.size() >= 3 &&
                            (begins_with(candidate, word) || begins_with(word, candidate) || has_part(candidate, word));
         if (start) distance = std::min(distance, allowed);
@@ -101,7 +102,8 @@ std::string suggestion(std::string_view word, std::span<const std::string_view> 
     if (const std::string near = nearest_name(word, candidates); !near.empty()) return "; did you mean '" + near + "'?";
     constexpr std::size_t kMost = 40;
     std::string list;
-    for (std::size_t k = 0; k < candidates.size() && k < kMost; ++k) list += (k == 0 ? "" : ", ") + std::string(candidates[k]);
+    for (std::size_t k = 0; k < candidates.size() && k < kMost; ++k)
+        list += (k == 0 ? "" : ", ") + std::string(candidates[k]);
     if (candidates.empty()) return {};
     return (candidates.size() == 1 ? "; there is " : "; there are ") + list + (candidates.size() > kMost ? ", …" : "");
 }
@@ -115,7 +117,8 @@ const Parameter& require_row(std::span<const Parameter> table, std::string_view 
     if (const Parameter* row = find_row(table, name)) return *row;
     std::vector<std::string_view> names;
     for (const Parameter& p : table) names.push_back(p.name);
-    throw Problem(Problem::Cause::name, "unknown key " + in_quotes(name) + " in " + std::string(what), suggestion(name, names));
+    throw Problem(Problem::Cause::name, "unknown key " + in_quotes(name) + " in " + std::string(what),
+                  suggestion(name, names));
 }
 
 }  // namespace rigfile

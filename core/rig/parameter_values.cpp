@@ -22,7 +22,8 @@ const Parameter& row_of(std::span<const Parameter> table, std::string_view name)
 
 }  // namespace
 
-void ParameterValues::set(std::span<const Parameter> table, std::string_view name, const Value& value, std::string_view what) {
+void ParameterValues::set(std::span<const Parameter> table, std::string_view name, const Value& value,
+                          std::string_view what) {
     const Parameter& row = rigfile::require_row(table, name, what);
     values_.insert_or_assign(std::string(name), rigfile::canonical(row, value, what));
 }
@@ -103,7 +104,8 @@ std::vector<double> ParameterValues::numbers(std::span<const Parameter> table, s
     const Parameter& row = row_of(table, name);
     const Value* value = find(name);
     if (value == nullptr) {
-        const auto count = row.has_default ? std::min<std::size_t>(static_cast<std::size_t>(row.count), row.value.size()) : 0;
+        const auto count =
+            row.has_default ? std::min<std::size_t>(static_cast<std::size_t>(row.count), row.value.size()) : 0;
         return {row.value.begin(), row.value.begin() + static_cast<std::ptrdiff_t>(count)};
     }
     if (const auto* list = std::get_if<std::vector<double>>(value)) return *list;

@@ -35,8 +35,8 @@ private:
 /// Longer texts than this are not repeated in full in a hint.
 inline constexpr std::size_t kLongestHint = 60;
 
-/// The text on one line: control characters escaped, cut after some 60 bytes. Whatever a file or a user says goes through
-/// this before it stands in a message.
+/// The text on one line: control characters escaped, cut after some 60 bytes. Whatever a file or a user says goes
+/// through this before it stands in a message.
 std::string one_line(std::string_view text);
 /// The same in single quotes.
 std::string in_quotes(std::string_view text);

@@ -12,8 +12,8 @@
 
 namespace relume::rigfile {
 
-// The sections whose values live in plain structs: which row is which member. `visit` is called with a row's name and the
-// optional member, for every row of the section's table.
+// The sections whose values live in plain structs: which row is which member. `visit` is called with a row's name and
+// the optional member, for every row of the section's table.
 
 template <class Options, class Visit>
 void for_each_member(Options& o, Visit visit) requires std::is_same_v<std::remove_const_t<Options>, ChannelRule> {
@@ -30,8 +30,7 @@ void for_each_member(Options& o, Visit visit) requires std::is_same_v<std::remov
 }
 
 /// [gbuffer]: its file is a member of the Rig itself.
-template <class SomeRig, class Visit>
-void for_each_gbuffer_member(SomeRig& rig, Visit visit) {
+template <class SomeRig, class Visit> void for_each_gbuffer_member(SomeRig& rig, Visit visit) {
     visit("file", rig.gbuffer_file);
     visit("part", rig.gbuffer.part);
     visit("view", rig.gbuffer.view);
@@ -39,8 +38,7 @@ void for_each_gbuffer_member(SomeRig& rig, Visit visit) {
     visit("working_space", rig.gbuffer.working_space);
 }
 
-template <class Options, class Visit>
-void for_each_camera_member(Options& o, Visit visit) {
+template <class Options, class Visit> void for_each_camera_member(Options& o, Visit visit) {
     visit("matrix", o.camera_matrix);
     visit("fov", o.fov);
     visit("focal_length", o.focal_length);
@@ -49,16 +47,16 @@ void for_each_camera_member(Options& o, Visit visit) {
     visit("width", o.width);
 }
 
-template <class T>
-Value member_value(const Parameter& row, const T& member) {
-    if constexpr (std::is_enum_v<T>) return std::string(split_choices(row.choices).at(static_cast<std::size_t>(member)));
-    else if constexpr (std::is_same_v<T, std::array<double, 16>>) return std::vector<double>(member.begin(), member.end());
+template <class T> Value member_value(const Parameter& row, const T& member) {
+    if constexpr (std::is_enum_v<T>)
+        return std::string(split_choices(row.choices).at(static_cast<std::size_t>(member)));
+    else if constexpr (std::is_same_v<T, std::array<double, 16>>)
+        return std::vector<double>(member.begin(), member.end());
     else return member;
 }
 
 /// `value` is canonical for the row.
-template <class T>
-void assign_member(const Parameter& row, const Value& value, std::optional<T>& member) {
+template <class T> void assign_member(const Parameter& row, const Value& value, std::optional<T>& member) {
     if constexpr (std::is_enum_v<T>) {
         const auto choices = split_choices(row.choices);
         const auto& word = std::get<std::string>(value);
@@ -76,7 +74,8 @@ void assign_member(const Parameter& row, const Value& value, std::optional<T>& m
 
 /// Sets one key of such a section. `each` is called with a visitor. Throws Problem.
 template <class Each>
-void set_member(std::span<const Parameter> table, std::string_view name, const Value& value, std::string_view what, Each each) {
+void set_member(std::span<const Parameter> table, std::string_view name, const Value& value, std::string_view what,
+                Each each) {
     const Parameter& row = require_row(table, name, what);
     const Value checked = canonical(row, value, what);
     each([&](std::string_view member_name, auto& member) {
@@ -85,8 +84,7 @@ void set_member(std::span<const Parameter> table, std::string_view name, const V
 }
 
 /// The value of one key, if it was given.
-template <class Each>
-std::optional<Value> get_member(const Parameter& row, Each each) {
+template <class Each> std::optional<Value> get_member(const Parameter& row, Each each) {
     std::optional<Value> out;
     each([&](std::string_view name, const auto& member) {
         if (name == row.name && member) out = member_value(row, *member);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// toml++ 3.3 with its assumptions made safe. A damaged text can break them: "[ ." does, and so does any letter from ¡ to
-// Cyrillic outside a string. As shipped it aborts in debug builds, and else tells the compiler to rely on them.
+// toml++ 3.3 with its assumptions made safe. A damaged text can break them: "[ ." does, and so does any letter from ¡
+// to Cyrillic outside a string. As shipped it aborts in debug builds, and else tells the compiler to rely on them.
 
 #include <stdexcept>
 

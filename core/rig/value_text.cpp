@@ -11,15 +11,10 @@ namespace relume::rigfile {
 
 namespace {
 
-template <class... F>
-struct Overload : F... {
-    using F::operator()...;
-};
-template <class... F>
-Overload(F...) -> Overload<F...>;
+template <class... F> struct Overload : F... { using F::operator()...; };
+template <class... F> Overload(F...) -> Overload<F...>;
 
-template <class List, class Text>
-std::string list_text(const List& list, Text text) {
+template <class List, class Text> std::string list_text(const List& list, Text text) {
     std::string out = "[";
     for (const auto& item : list) out += (out.size() == 1 ? "" : ", ") + text(item);
     return out + "]";
@@ -55,11 +50,21 @@ std::string string_text(std::string_view text) {
     for (const char c : text) {
         const auto u = static_cast<unsigned char>(c);
         switch (c) {
-            case '"': out += "\\\""; break;
-            case '\\': out += "\\\\"; break;
-            case '\n': out += "\\n"; break;
-            case '\t': out += "\\t"; break;
-            case '\r': out += "\\r"; break;
+            case '"':
+                out += "\\\"";
+                break;
+            case '\\':
+                out += "\\\\";
+                break;
+            case '\n':
+                out += "\\n";
+                break;
+            case '\t':
+                out += "\\t";
+                break;
+            case '\r':
+                out += "\\r";
+                break;
             default:
                 if (u < 0x20 || u == 0x7F) (out += "\\u00") += {kDigits[u >> 4], kDigits[u & 15]};
                 else out += c;
@@ -76,24 +81,23 @@ std::string key_text(std::string_view key) {
 }
 
 std::string value_text(const Value& value, ParameterType type) {
-    return std::visit(
-        Overload{
-            [](bool v) -> std::string { return v ? "true" : "false"; },
-            [](std::int64_t v) { return std::to_string(v); },
-            [](double v) { return number_text(v); },
-            [type](const std::array<double, 3>& v) {
-                const bool grey = type == ParameterType::color && v[0] == v[1] && v[1] == v[2];
-                return grey ? number_text(v[0]) : list_text(v, short_number_text);
-            },
-            [](const std::string& v) { return string_text(v); },
-            [](const std::vector<std::string>& v) { return list_text(v, string_text); },
-            [](const std::vector<double>& v) { return list_text(v, short_number_text); },
-            [](const ChannelRef& v) {
-                return "{ channel = " + string_text(v.channel) + ", scale = " + number_text(v.scale) +
-                       ", offset = " + number_text(v.offset) + " }";
-            },
-        },
-        value);
+    return std::visit(Overload{
+                          [](bool v) -> std::string { return v ? "true" : "false"; },
+                          [](std::int64_t v) { return std::to_string(v); },
+                          [](double v) { return number_text(v); },
+                          [type](const std::array<double, 3>& v) {
+                              const bool grey = type == ParameterType::color && v[0] == v[1] && v[1] == v[2];
+                              return grey ? number_text(v[0]) : list_text(v, short_number_text);
+                          },
+                          [](const std::string& v) { return string_text(v); },
+                          [](const std::vector<std::string>& v) { return list_text(v, string_text); },
+                          [](const std::vector<double>& v) { return list_text(v, short_number_text); },
+                          [](const ChannelRef& v) {
+                              return "{ channel = " + string_text(v.channel) + ", scale = " + number_text(v.scale) +
+                                     ", offset = " + number_text(v.offset) + " }";
+                          },
+                      },
+                      value);
 }
 
 std::string describe(const Value& value) {
@@ -105,7 +109,8 @@ std::string describe(const Value& value) {
                           [](const std::string& v) { return "the string " + in_quotes(v); },
                           [](const std::vector<std::string>& v) { return "a list of " + plural(v.size(), "string"); },
                           [](const std::vector<double>& v) {
-                              return v.empty() ? std::string("an empty list") : "a list of " + plural(v.size(), "number");
+                              return v.empty() ? std::string("an empty list")
+                                               : "a list of " + plural(v.size(), "number");
                           },
                           [](const ChannelRef& v) { return "the channel " + in_quotes(v.channel); },
                       },
@@ -114,19 +119,29 @@ std::string describe(const Value& value) {
 
 std::string expectation(const Parameter& row) {
     switch (row.type) {
-        case ParameterType::scalar: return "a number";
-        case ParameterType::color: return "a number or 3 numbers [r, g, b]";
-        case ParameterType::vector: return "3 numbers [x, y, z]";
-        case ParameterType::boolean: return "true or false";
-        case ParameterType::integer: return "a whole number";
+        case ParameterType::scalar:
+            return "a number";
+        case ParameterType::color:
+            return "a number or 3 numbers [r, g, b]";
+        case ParameterType::vector:
+            return "3 numbers [x, y, z]";
+        case ParameterType::boolean:
+            return "true or false";
+        case ParameterType::integer:
+            return "a whole number";
         case ParameterType::choice: {
             std::string list;
-            for (const std::string_view choice : split_choices(row.choices)) list += (list.empty() ? "" : ", ") + string_text(choice);
+            for (const std::string_view choice : split_choices(row.choices))
+                list += (list.empty() ? "" : ", ") + string_text(choice);
             return "one of " + list;
         }
-        case ParameterType::text: return "a string";
-        case ParameterType::text_list: return "a list of strings";
-        case ParameterType::number_list: return row.count > 0 ? "a list of " + plural(static_cast<std::size_t>(row.count), "number") : "a list of numbers";
+        case ParameterType::text:
+            return "a string";
+        case ParameterType::text_list:
+            return "a list of strings";
+        case ParameterType::number_list:
+            return row.count > 0 ? "a list of " + plural(static_cast<std::size_t>(row.count), "number")
+                                 : "a list of numbers";
     }
     return {};
 }

@@ -8,7 +8,8 @@
 
 namespace relume::rigfile {
 
-/// A number as TOML writes floats, in the fewest digits that read back to the same number: "0.5", "3.0", "1e+30", "inf".
+/// A number as TOML writes floats, in the fewest digits that read back to the same number: "0.5", "3.0", "1e+30",
+/// "inf".
 std::string number_text(double number);
 /// The same, whole numbers without ".0": for lists, where TOML mixes both, and for messages.
 std::string short_number_text(double number);

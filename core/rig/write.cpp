@@ -14,8 +14,7 @@ void write_key(std::string& out, std::string_view key, const std::string& value)
 }
 
 /// The values of `table` that `get` has, in the table's order.
-template <class Get>
-void write_rows(std::string& out, std::span<const Parameter> table, Get get) {
+template <class Get> void write_rows(std::string& out, std::span<const Parameter> table, Get get) {
     for (const Parameter& row : table)
         if (const std::optional<Value> value = get(row)) write_key(out, row.name, value_text(*value, row.type));
 }
@@ -52,7 +51,8 @@ void write_gbuffer(std::string& out, const Rig& rig) {
 void write_shader(std::string& out, const ShaderUse& shader) {
     out += "\n[[shader]]\n";
     write_key(out, "use", rigfile::string_text(shader.use));
-    write_rows(out, shader_key_parameters(), [&](const Parameter& row) { return rigfile::get_shader_match(shader, row.name); });
+    write_rows(out, shader_key_parameters(),
+               [&](const Parameter& row) { return rigfile::get_shader_match(shader, row.name); });
     write_values(out, shader_use_parameters(shader.use), shader.values);
 }
 

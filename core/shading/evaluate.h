@@ -11,8 +11,8 @@
 namespace relume {
 
 /// f·NdotL (1/sr) of a model on arrays, by the same code that shades pixels, in float or double.
-/// `evaluation.params` holds one array per float slot (ShaderAbi::float_slots) and `options` one int per option slot; see
-/// default_params() for the defaults. n, v, l must be unit.
+/// `evaluation.params` holds one array per float slot (ShaderAbi::float_slots) and `options` one int per option slot;
+/// see default_params() for the defaults. n, v, l must be unit.
 void evaluate_shader(const ShaderInfo& shader, ShaderEvaluation<float>& evaluation);
 void evaluate_shader(const ShaderInfo& shader, ShaderEvaluation<double>& evaluation);
 

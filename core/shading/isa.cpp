@@ -15,7 +15,8 @@ std::vector<std::string_view> available_isas() {
 #if defined(RELUME_HAVE_X86_KERNELS)
     __builtin_cpu_init();
     const bool v2 = __builtin_cpu_supports("sse4.2") && __builtin_cpu_supports("popcnt");
-    const bool v3 = v2 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
+    const bool v3 =
+        v2 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
     const bool v4 = v3 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
                     __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
                     __builtin_cpu_supports("avx512vl");
@@ -36,8 +37,9 @@ std::string_view require_isa(std::string_view name, const char* who) {
     if (found != isas.end()) return *found;
     std::string list;
     for (const auto isa : isas) list += (list.empty() ? "" : ", ") + std::string(isa);
-    throw Error(ErrorKind::value, std::string(who) + " names '" + std::string(name) +
-                                      "', an instruction set that this build or this CPU does not have; choose one of: " + list);
+    throw Error(ErrorKind::value,
+                std::string(who) + " names '" + std::string(name) +
+                    "', an instruction set that this build or this CPU does not have; choose one of: " + list);
 }
 
 std::string_view& selected_isa() {

@@ -56,8 +56,8 @@ struct Registry {
 
     void load_plugin(const std::filesystem::path& file) {
         const auto refuse = [&](const std::string& why) { reports.push_back({file, false, why}); };
-        // Local and lazy: a plugin sees librelume's ABI alone, and two plugins never each other's symbols. Never closed:
-        // tables and kernels of it stay in use.
+        // Local and lazy: a plugin sees librelume's ABI alone, and two plugins never each other's symbols. Never
+        // closed: tables and kernels of it stay in use.
         void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
         if (handle == nullptr) {
             const char* why = dlerror();
@@ -72,12 +72,14 @@ struct Registry {
         std::string names;
         for (std::int32_t k = 0; k < count; ++k) {
             const ShaderAbi& abi = *abis[k];
-            if (abi.version != kShaderAbiVersion || abi.size != sizeof(ShaderAbi) || abi.parameter_size != sizeof(Parameter))
+            if (abi.version != kShaderAbiVersion || abi.size != sizeof(ShaderAbi) ||
+                abi.parameter_size != sizeof(Parameter))
                 return refuse("was built for shader ABI " + std::to_string(abi.version) + ", this relume has " +
                               std::to_string(kShaderAbiVersion) + "; rebuild it");
             if (const ShaderInfo* other = find(abi.name))
                 return refuse("brings a shader '" + std::string(abi.name) + "', a name that " +
-                              (other->file.empty() ? std::string("relume itself") : other->file.string()) + " has already");
+                              (other->file.empty() ? std::string("relume itself") : other->file.string()) +
+                              " has already");
             shaders.push_back(describe(abi, file));
             names += (names.empty() ? "" : ", ") + std::string(abi.name);
         }
@@ -85,7 +87,8 @@ struct Registry {
     }
 
     const ShaderInfo* find(std::string_view name) const {
-        const auto found = std::find_if(shaders.begin(), shaders.end(), [&](const ShaderInfo& s) { return s.name == name; });
+        const auto found =
+            std::find_if(shaders.begin(), shaders.end(), [&](const ShaderInfo& s) { return s.name == name; });
         return found == shaders.end() ? nullptr : &*found;
     }
 };
@@ -108,9 +111,9 @@ const ShaderInfo& require_shader(std::string_view name) {
     std::vector<std::string_view> names;
     for (const ShaderInfo& s : shaders()) names.push_back(s.name);
     const std::string nearest = nearest_name(name, names);
-    throw Error(ErrorKind::parameter, "unknown shader '" + std::string(name) + "'" +
-                                          (nearest.empty() ? "; `relume shaders` lists them"
-                                                           : "; did you mean '" + nearest + "'?"));
+    throw Error(ErrorKind::parameter,
+                "unknown shader '" + std::string(name) + "'" +
+                    (nearest.empty() ? "; `relume shaders` lists them" : "; did you mean '" + nearest + "'?"));
 }
 
 }  // namespace relume

@@ -16,8 +16,7 @@ struct Beckmann {
         "NdotL·NdotV. Plain: specular_color·D, no diffuse part, four times too bright. For masking and Fresnel see "
         "cook_torrance. Normalised it is reciprocal, plain not; the bare highlight's albedo stays below specular_color.";
 
-    template <class T>
-    struct Params {
+    template <class T> struct Params {
         Color<T> base_color;
         Color<T> specular_color;
         T width;
@@ -28,21 +27,15 @@ struct Beckmann {
         std::int32_t energy_conserving;
     };
     static constexpr Parameter parameters[] = {
-        row::base_color(RELUME_SLOT(base_color)),
-        row::specular_color(RELUME_SLOT(specular_color), 1),
-        row::width(RELUME_SLOT(width)),
-        row::ambient(RELUME_SLOT(ambient)),
-        row::emission(RELUME_SLOT(emission)),
-        row::energy_conserving(RELUME_OPTION(energy_conserving)),
+        row::base_color(RELUME_SLOT(base_color)), row::specular_color(RELUME_SLOT(specular_color), 1),
+        row::width(RELUME_SLOT(width)),           row::ambient(RELUME_SLOT(ambient)),
+        row::emission(RELUME_SLOT(emission)),     row::energy_conserving(RELUME_OPTION(energy_conserving)),
     };
     static constexpr bool needs_tangent = false;
     static constexpr bool lit_from_below = false;
     static constexpr Lobe terms[] = {Lobe::diffuse, Lobe::specular};
 
-    template <class T>
-    struct Prepared : PreparedTerms<T, 2> {
-        T inv_width2;
-    };
+    template <class T> struct Prepared : PreparedTerms<T, 2> { T inv_width2; };
 
     template <class T>
     static RELUME_INLINE Prepared<T> prepare(const Params<T>& p, const Options& o, const Geometry<T>& g) {
@@ -58,7 +51,8 @@ struct Beckmann {
     }
 
     template <class T>
-    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options& o, const Geometry<T>& g, const LightSample<T>& s, T (&w)[2]) {
+    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options& o, const Geometry<T>& g,
+                                       const LightSample<T>& s, T (&w)[2]) {
         const T n_dot_l = max(s.n_dot_l, T(0.f));
         const T lobe = beckmann_distribution(m.inv_width2, half_vector(g, s));
         w[0] = n_dot_l;

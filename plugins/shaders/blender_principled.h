@@ -29,8 +29,7 @@ struct BlenderPrincipled {
         "taken from the diffuse part by the highlight: the sum may pass 1 at grazing view. Reciprocal. Left out: subsurface and "
         "transmission, which need the scene, Multiscatter GGX, and the bump terminator, which needs the normal before the bump.";
 
-    template <class T>
-    struct Params {
+    template <class T> struct Params {
         Color<T> base_color;
         T metallic;
         T specular;
@@ -62,7 +61,8 @@ struct BlenderPrincipled {
         row::scalar("clearcoat_roughness", RELUME_SLOT(clearcoat_roughness), 0.03, 0, 1, "Clearcoat roughness",
                     "Perceptual roughness of the clearcoat."),
         row::emission(RELUME_SLOT(emission)),
-        row::choice("generation", RELUME_OPTION(generation), 0, "3", "Generation", "Which Principled BSDF: 3 is that of Blender 2.8 to 3.6."),
+        row::choice("generation", RELUME_OPTION(generation), 0, "3", "Generation",
+                    "Which Principled BSDF: 3 is that of Blender 2.8 to 3.6."),
     };
     static constexpr bool needs_tangent = true;
     static constexpr int anisotropy_slot = RELUME_SLOT(anisotropic);
@@ -72,16 +72,15 @@ struct BlenderPrincipled {
     /// alpha² at and below which Cycles takes a lobe for a mirror (its product of both alphas).
     static constexpr double kMirror = 1e-7;
 
-    template <class T>
-    struct Prepared : PreparedTerms<T, 4> {
+    template <class T> struct Prepared : PreparedTerms<T, 4> {
         T roughness;
         T fresnel_v;  // (1−NdotV)⁵
         T alpha2;
-        T weight;     // alpha²/π times the masking of v; 0 for a mirror
+        T weight;  // alpha²/π times the masking of v; 0 for a mirror
         DielectricRise<T> rise;
         T anisotropic, alpha_x, alpha_y, masking_v;
         Vec3<T> tangent, bitangent;
-        T coat;       // clearcoat/4 times the masking of v; 0 for a mirror
+        T coat;  // clearcoat/4 times the masking of v; 0 for a mirror
         Gtr1<T> coat_distribution;
         bool any_anisotropic, any_coat, any_sheen;
     };
@@ -119,7 +118,10 @@ struct BlenderPrincipled {
             const T bounded = max(alpha, constant<T>(3.16e-4));
             out.alpha_x = min(bounded * rcp(aspect), one);  // Cycles bounds both
             out.alpha_y = bounded * aspect;
-            out.masking_v = select(rough, ggx_half_masking_anisotropic(out.alpha_x, out.alpha_y, dot(out.tangent, g.v), dot(out.bitangent, g.v), g.n_dot_v), zero);
+            out.masking_v = select(rough,
+                                   ggx_half_masking_anisotropic(out.alpha_x, out.alpha_y, dot(out.tangent, g.v),
+                                                                dot(out.bitangent, g.v), g.n_dot_v),
+                                   zero);
         }
 
         out.any_sheen = any(p.sheen > zero);
@@ -128,7 +130,9 @@ struct BlenderPrincipled {
             const T coat_alpha = square(saturate(p.clearcoat_roughness));
             const MaskOf<T> coat_rough = square(coat_alpha) > constant<T>(kMirror);
             out.coat_distribution = gtr1(max(coat_alpha, constant<T>(3.16e-4)));
-            out.coat = select(coat_rough, constant<T>(0.25) * saturate(p.clearcoat) * ggx_half_masking(constant<T>(0.0625), g.n_dot_v), zero);
+            out.coat = select(
+                coat_rough,
+                constant<T>(0.25) * saturate(p.clearcoat) * ggx_half_masking(constant<T>(0.0625), g.n_dot_v), zero);
         }
         return out;
     }
@@ -145,7 +149,8 @@ struct BlenderPrincipled {
     }
 
     template <class T>
-    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options&, const Geometry<T>& g, const LightSample<T>& s, T (&w)[4]) {
+    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options&, const Geometry<T>& g,
+                                       const LightSample<T>& s, T (&w)[4]) {
         const T zero(0.f), one(1.f), half = constant<T>(0.5);
         const HalfVector<T> h = half_vector(g, s);
         const T n_dot_l = max(s.n_dot_l, zero);
@@ -162,15 +167,18 @@ struct BlenderPrincipled {
         T lobe = m.weight * n_dot_l * ggx_half_masking(m.alpha2, n_dot_l) * rcp(bracket * bracket);
         if (m.any_anisotropic) {
             const Vec3<T> hd = half_direction(g, s, h);
-            const T d = ggx_distribution_anisotropic(m.alpha_x, m.alpha_y, dot(m.tangent, hd), dot(m.bitangent, hd), square(h.n_dot_h()));
-            const T masking = m.masking_v * ggx_half_masking_anisotropic(m.alpha_x, m.alpha_y, dot(m.tangent, s.l), dot(m.bitangent, s.l), n_dot_l);
+            const T d = ggx_distribution_anisotropic(m.alpha_x, m.alpha_y, dot(m.tangent, hd), dot(m.bitangent, hd),
+                                                     square(h.n_dot_h()));
+            const T masking = m.masking_v * ggx_half_masking_anisotropic(m.alpha_x, m.alpha_y, dot(m.tangent, s.l),
+                                                                         dot(m.bitangent, s.l), n_dot_l);
             lobe = select(m.anisotropic > zero, d * masking * n_dot_l, lobe);
         }
         const T rise = m.rise(h.v_dot_h);
         w[2] = fma(-rise, lobe, lobe);
         w[3] = rise * lobe;
         if (m.any_coat) {
-            const T coat = m.coat * n_dot_l * m.coat_distribution(sin2_h) * ggx_half_masking(constant<T>(0.0625), n_dot_l);
+            const T coat =
+                m.coat * n_dot_l * m.coat_distribution(sin2_h) * ggx_half_masking(constant<T>(0.0625), n_dot_l);
             w[3] = fma(coat, dielectric_fresnel(h.v_dot_h, constant<T>(1.5)), w[3]);
         }
     }

@@ -17,8 +17,7 @@ struct BlinnPhong {
         "base_color·NdotL + specular_color·NdotH^e. An exponent of four times Phong's looks alike; from roughness it is e = "
         "2/roughness⁴ − 2. Normalised it is reciprocal, plain not.";
 
-    template <class T>
-    struct Params {
+    template <class T> struct Params {
         Color<T> base_color;
         Color<T> specular_color;
         T exponent;
@@ -48,13 +47,9 @@ struct BlinnPhong {
     static constexpr bool lit_from_below = false;
     static constexpr Lobe terms[] = {Lobe::diffuse, Lobe::specular};
 
-    template <class T>
-    struct Prepared : PreparedTerms<T, 2> {
-        T exponent;
-    };
+    template <class T> struct Prepared : PreparedTerms<T, 2> { T exponent; };
 
-    template <class T>
-    static RELUME_INLINE T normalization(T e, bool exact) {
+    template <class T> static RELUME_INLINE T normalization(T e, bool exact) {
         if (!exact) return constant<T>(0.125 * kInvPi) * (e + constant<T>(8));
         return constant<T>(0.125 * kInvPi) * (e + T(2.f)) * (e + T(4.f)) * rcp(exp2(constant<T>(-0.5) * e) + e);
     }
@@ -63,16 +58,19 @@ struct BlinnPhong {
     static RELUME_INLINE Prepared<T> prepare(const Params<T>& p, const Options& o, const Geometry<T>& g) {
         Prepared<T> out;
         const bool normalised = o.energy_conserving != 0;
-        out.exponent = o.exponent_from == 1 ? exponent_from_alpha(alpha_from_roughness(p.roughness)) : max(p.exponent, T(0.f));
+        out.exponent =
+            o.exponent_from == 1 ? exponent_from_alpha(alpha_from_roughness(p.roughness)) : max(p.exponent, T(0.f));
         out.color[0] = scale(p.base_color, constant<T>(normalised ? kInvPi : 1.0));
-        out.color[1] = normalised ? scale(p.specular_color, normalization(out.exponent, o.normalization == 0)) : p.specular_color;
+        out.color[1] =
+            normalised ? scale(p.specular_color, normalization(out.exponent, o.normalization == 0)) : p.specular_color;
         out.ambient = out.color[0];
         out.emission = fma(mul(p.base_color, p.ambient), g.ambient_occlusion, p.emission);
         return out;
     }
 
     template <class T>
-    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options& o, const Geometry<T>& g, const LightSample<T>& s, T (&w)[2]) {
+    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options& o, const Geometry<T>& g,
+                                       const LightSample<T>& s, T (&w)[2]) {
         const T n_dot_l = max(s.n_dot_l, T(0.f));
         const T lobe = cosine_power(half_vector(g, s).q * constant<T>(0.5), m.exponent);
         w[0] = n_dot_l;

@@ -28,8 +28,7 @@ struct CookTorrance {
         "blinn_phong under Smith passes 1 on its own (1.09 at roughness 0.7, 1.64 at 1), gaussian too (1.05 at 0.8): choose v_cavity there.\n"
         "Option: sss_color·p·NdotL is added, p the phase function of lambert's option.";
 
-    template <class T>
-    struct Params {
+    template <class T> struct Params {
         Color<T> base_color;
         T metallic;
         T specular;
@@ -58,10 +57,11 @@ struct CookTorrance {
         row::sss_anisotropy(RELUME_SLOT(sss_anisotropy)),
         row::ambient(RELUME_SLOT(ambient)),
         row::emission(RELUME_SLOT(emission)),
-        row::choice("distribution", RELUME_OPTION(distribution), ggx, "ggx|beckmann|gaussian|blinn_phong", "Distribution",
-                    "How the facets' normals are spread: ggx has the longest tail."),
-        row::choice("masking", RELUME_OPTION(masking), smith_correlated, "smith_correlated|smith_schlick|smith_schlick_hable|v_cavity|smith_separable",
-                    "Masking", "Which share of the facets is in sight of both viewer and light."),
+        row::choice("distribution", RELUME_OPTION(distribution), ggx, "ggx|beckmann|gaussian|blinn_phong",
+                    "Distribution", "How the facets' normals are spread: ggx has the longest tail."),
+        row::choice("masking", RELUME_OPTION(masking), smith_correlated,
+                    "smith_correlated|smith_schlick|smith_schlick_hable|v_cavity|smith_separable", "Masking",
+                    "Which share of the facets is in sight of both viewer and light."),
         row::choice("fresnel", RELUME_OPTION(fresnel), schlick, "schlick|none|dielectric", "Fresnel",
                     "How reflectance rises towards grazing angles; none: it does not, and the diffuse part is whole."),
         row::energy_conserving(RELUME_OPTION(energy_conserving)),
@@ -70,13 +70,12 @@ struct CookTorrance {
     static constexpr bool lit_from_below = false;
     static constexpr Lobe terms[] = {Lobe::diffuse, Lobe::specular, Lobe::specular, Lobe::diffuse};
 
-    template <class T>
-    struct Prepared : PreparedTerms<T, 4> {
+    template <class T> struct Prepared : PreparedTerms<T, 4> {
         T alpha, alpha2, inv_alpha2;
-        T exponent;        // blinn_phong
-        T normalisation;   // gaussian
-        T k;               // Schlick's maskings
-        T masking_v;       // of v, whatever the masking needs of it
+        T exponent;       // blinn_phong
+        T normalisation;  // gaussian
+        T k;              // Schlick's maskings
+        T masking_v;      // of v, whatever the masking needs of it
         DielectricRise<T> rise;
         HenyeyGreenstein<T> phase;
         bool any_sss;
@@ -93,7 +92,8 @@ struct CookTorrance {
         const bool normalised = o.energy_conserving != 0;
         Color<T> kd = scale(cd, constant<T>(kInvPi));
         if (!normalised) kd = scale(kd, rest);
-        if (o.fresnel != constant_f0) kd = mul(kd, {max(one - f0.x, zero), max(one - f0.y, zero), max(one - f0.z, zero)});
+        if (o.fresnel != constant_f0)
+            kd = mul(kd, {max(one - f0.x, zero), max(one - f0.y, zero), max(one - f0.z, zero)});
         out.color[0] = kd;
         out.color[1] = f0;
         out.color[2] = splat(one);
@@ -116,12 +116,13 @@ struct CookTorrance {
     }
 
     /// What one direction adds to the masking: Λ, G1/x, or G1/(2x), as visibility() takes it.
-    template <class T>
-    static RELUME_INLINE T masking(const Prepared<T>& m, const Options& o, T cosine) {
+    template <class T> static RELUME_INLINE T masking(const Prepared<T>& m, const Options& o, T cosine) {
         switch (o.masking) {
             case smith_schlick:
-            case smith_schlick_hable: return schlick_masking_over_cosine(m.k, cosine);
-            case cavity: return T(0.f);
+            case smith_schlick_hable:
+                return schlick_masking_over_cosine(m.k, cosine);
+            case cavity:
+                return T(0.f);
             case smith_separable:
                 if (o.distribution == ggx) return ggx_half_masking(m.alpha2, cosine);
                 break;
@@ -133,12 +134,15 @@ struct CookTorrance {
 
     /// V = G/(4·NdotL·NdotV), NdotL ≥ 1e-4.
     template <class T>
-    static RELUME_INLINE T visibility(const Prepared<T>& m, const Options& o, const HalfVector<T>& h, T n_dot_v, T n_dot_l) {
+    static RELUME_INLINE T visibility(const Prepared<T>& m, const Options& o, const HalfVector<T>& h, T n_dot_v,
+                                      T n_dot_l) {
         const T quarter = constant<T>(0.25), one(1.f);
         switch (o.masking) {
             case smith_schlick:
-            case smith_schlick_hable: return quarter * m.masking_v * masking(m, o, n_dot_l);
-            case cavity: return quarter * v_cavity(h.n_dot_h(), h.v_dot_h, n_dot_v, n_dot_l) * rcp(n_dot_v * n_dot_l);
+            case smith_schlick_hable:
+                return quarter * m.masking_v * masking(m, o, n_dot_l);
+            case cavity:
+                return quarter * v_cavity(h.n_dot_h(), h.v_dot_h, n_dot_v, n_dot_l) * rcp(n_dot_v * n_dot_l);
             case smith_separable:
                 if (o.distribution == ggx) return m.masking_v * masking(m, o, n_dot_l);
                 return quarter * rcp(n_dot_v * n_dot_l * (one + m.masking_v) * (one + masking(m, o, n_dot_l)));
@@ -151,15 +155,20 @@ struct CookTorrance {
     template <class T>
     static RELUME_INLINE T distribution(const Prepared<T>& m, const Options& o, const HalfVector<T>& h) {
         switch (o.distribution) {
-            case beckmann: return beckmann_distribution(m.inv_alpha2, h);
-            case gaussian: return m.normalisation * gaussian_shape(m.inv_alpha2, h);
-            case blinn_phong: return blinn_phong_distribution(m.exponent, h);
-            default: return ggx_distribution(m.alpha2, h.sin2_h());
+            case beckmann:
+                return beckmann_distribution(m.inv_alpha2, h);
+            case gaussian:
+                return m.normalisation * gaussian_shape(m.inv_alpha2, h);
+            case blinn_phong:
+                return blinn_phong_distribution(m.exponent, h);
+            default:
+                return ggx_distribution(m.alpha2, h.sin2_h());
         }
     }
 
     template <class T>
-    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options& o, const Geometry<T>& g, const LightSample<T>& s, T (&w)[4]) {
+    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options& o, const Geometry<T>& g,
+                                       const LightSample<T>& s, T (&w)[4]) {
         const T zero(0.f);
         const HalfVector<T> h = half_vector(g, s);
         const T n_dot_l = max(s.n_dot_l, zero);

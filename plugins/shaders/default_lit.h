@@ -17,8 +17,7 @@ struct DefaultLit {
         "alpha_y = alpha·(1−anisotropy) [KullaConty2017]. Diffuse is not reduced by what the specular lobe reflects: the sum may "
         "pass 1 (1.8 at roughness 0.05). Reciprocal.";
 
-    template <class T>
-    struct Params {
+    template <class T> struct Params {
         Color<T> base_color;
         T metallic;
         T specular;
@@ -28,8 +27,9 @@ struct DefaultLit {
     };
     struct Options {};
     static constexpr Parameter parameters[] = {
-        row::base_color(RELUME_SLOT(base_color)), row::metallic(RELUME_SLOT(metallic)),     row::specular(RELUME_SLOT(specular)),
-        row::roughness(RELUME_SLOT(roughness)),   row::anisotropy(RELUME_SLOT(anisotropy)), row::emission(RELUME_SLOT(emission)),
+        row::base_color(RELUME_SLOT(base_color)), row::metallic(RELUME_SLOT(metallic)),
+        row::specular(RELUME_SLOT(specular)),     row::roughness(RELUME_SLOT(roughness)),
+        row::anisotropy(RELUME_SLOT(anisotropy)), row::emission(RELUME_SLOT(emission)),
     };
     static constexpr bool needs_tangent = true;
     static constexpr int anisotropy_slot = RELUME_SLOT(anisotropy);
@@ -37,8 +37,7 @@ struct DefaultLit {
     static constexpr bool scales_by_arriving = true;
     static constexpr Lobe terms[] = {Lobe::diffuse, Lobe::specular, Lobe::specular};
 
-    template <class T>
-    struct Prepared : PreparedTerms<T, 3> {
+    template <class T> struct Prepared : PreparedTerms<T, 3> {
         GgxBracket<T> bracket;
         JointApproximation<T> joint;
         T anisotropy;
@@ -79,22 +78,25 @@ struct DefaultLit {
         return out;
     }
 
-    template <class T>
-    static RELUME_INLINE T stretched_length(const Prepared<T>& m, const Vec3<T>& d, T n_dot_d) {
+    template <class T> static RELUME_INLINE T stretched_length(const Prepared<T>& m, const Vec3<T>& d, T n_dot_d) {
         const T x = m.alpha_x * dot(m.tangent, d), y = m.alpha_y * dot(m.bitangent, d);
         return sqrt(fma(x, x, fma(y, y, n_dot_d * n_dot_d)));
     }
 
     template <class T>
-    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options&, const Geometry<T>& g, const LightSample<T>& s, T (&w)[3]) {
+    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options&, const Geometry<T>& g,
+                                       const LightSample<T>& s, T (&w)[3]) {
         const HalfVector<T> h = half_vector(g, s);
         const T n_dot_l = max(s.n_dot_l, T(0.f));
         const T cosine = n_dot_l * s.arriving;
         T lobe = cosine * rcp(square(m.bracket(h.q)) * m.joint.denominator(n_dot_l));
         if (m.any_anisotropic) {
             const Vec3<T> hd = half_direction(g, s, h);
-            const T d = ggx_distribution_anisotropic(m.alpha_x, m.alpha_y, dot(m.tangent, hd), dot(m.bitangent, hd), square(h.n_dot_h()));
-            const T v = constant<T>(0.5) * rcp(max(fma(n_dot_l, m.length_v, g.n_dot_v * stretched_length(m, s.l, n_dot_l)), constant<T>(1e-12)));
+            const T d = ggx_distribution_anisotropic(m.alpha_x, m.alpha_y, dot(m.tangent, hd), dot(m.bitangent, hd),
+                                                     square(h.n_dot_h()));
+            const T v =
+                constant<T>(0.5) *
+                rcp(max(fma(n_dot_l, m.length_v, g.n_dot_v * stretched_length(m, s.l, n_dot_l)), constant<T>(1e-12)));
             lobe = select(m.anisotropy != T(0.f), d * v * cosine, lobe);
         }
         w[0] = cosine;

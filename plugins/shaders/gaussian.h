@@ -16,8 +16,7 @@ struct Gaussian {
         "that ∫D·cosθh = 1 (fit, 8e-4); as a microfacet lobe its masking is NdotL·NdotV. Plain: specular_color·exp(−(θh/w)²), no "
         "diffuse part. Normalised it is reciprocal, plain not; the bare highlight's albedo stays below specular_color.";
 
-    template <class T>
-    struct Params {
+    template <class T> struct Params {
         Color<T> base_color;
         Color<T> specular_color;
         T width;
@@ -28,21 +27,15 @@ struct Gaussian {
         std::int32_t energy_conserving;
     };
     static constexpr Parameter parameters[] = {
-        row::base_color(RELUME_SLOT(base_color)),
-        row::specular_color(RELUME_SLOT(specular_color), 1),
-        row::width(RELUME_SLOT(width)),
-        row::ambient(RELUME_SLOT(ambient)),
-        row::emission(RELUME_SLOT(emission)),
-        row::energy_conserving(RELUME_OPTION(energy_conserving)),
+        row::base_color(RELUME_SLOT(base_color)), row::specular_color(RELUME_SLOT(specular_color), 1),
+        row::width(RELUME_SLOT(width)),           row::ambient(RELUME_SLOT(ambient)),
+        row::emission(RELUME_SLOT(emission)),     row::energy_conserving(RELUME_OPTION(energy_conserving)),
     };
     static constexpr bool needs_tangent = false;
     static constexpr bool lit_from_below = false;
     static constexpr Lobe terms[] = {Lobe::diffuse, Lobe::specular};
 
-    template <class T>
-    struct Prepared : PreparedTerms<T, 2> {
-        T inv_width2;
-    };
+    template <class T> struct Prepared : PreparedTerms<T, 2> { T inv_width2; };
 
     template <class T>
     static RELUME_INLINE Prepared<T> prepare(const Params<T>& p, const Options& o, const Geometry<T>& g) {
@@ -51,14 +44,16 @@ struct Gaussian {
         const T width2 = square(clamp(p.width, constant<T>(kMinAlpha), T(1.f)));
         out.inv_width2 = rcp(width2);
         out.color[0] = scale(p.base_color, constant<T>(normalised ? kInvPi : 0.0));
-        out.color[1] = normalised ? scale(p.specular_color, constant<T>(0.25) * gaussian_normalisation(width2)) : p.specular_color;
+        out.color[1] =
+            normalised ? scale(p.specular_color, constant<T>(0.25) * gaussian_normalisation(width2)) : p.specular_color;
         out.ambient = scale(p.base_color, constant<T>(normalised ? kInvPi : 1.0));
         out.emission = fma(mul(p.base_color, p.ambient), g.ambient_occlusion, p.emission);
         return out;
     }
 
     template <class T>
-    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options& o, const Geometry<T>& g, const LightSample<T>& s, T (&w)[2]) {
+    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options& o, const Geometry<T>& g,
+                                       const LightSample<T>& s, T (&w)[2]) {
         const T n_dot_l = max(s.n_dot_l, T(0.f));
         const T lobe = gaussian_shape(m.inv_width2, half_vector(g, s));
         w[0] = n_dot_l;

@@ -16,8 +16,7 @@ struct Ggx {
         "base_color/π·NdotL + D·F·V·NdotL. Plain: the highlight alone without the ¼ that makes it a BRDF, four times too bright. "
         "Reciprocal; the diffuse part is not reduced by the highlight.";
 
-    template <class T>
-    struct Params {
+    template <class T> struct Params {
         Color<T> base_color;
         T roughness;
         Color<T> f0;
@@ -39,8 +38,7 @@ struct Ggx {
     static constexpr bool lit_from_below = false;
     static constexpr Lobe terms[] = {Lobe::diffuse, Lobe::specular, Lobe::specular};
 
-    template <class T>
-    struct Prepared : PreparedTerms<T, 3> {
+    template <class T> struct Prepared : PreparedTerms<T, 3> {
         T alpha2, k;
         T weight;  // alpha²/π · G1(NdotV) · ¼
     };
@@ -57,12 +55,14 @@ struct Ggx {
         out.emission = fma(mul(p.base_color, p.ambient), g.ambient_occlusion, p.emission);
         out.alpha2 = alpha * alpha;
         out.k = alpha * constant<T>(0.5);
-        out.weight = out.alpha2 * constant<T>(kInvPi * (normalised ? 0.25 : 1.0)) * rcp(fma(g.n_dot_v, T(1.f) - out.k, out.k));
+        out.weight =
+            out.alpha2 * constant<T>(kInvPi * (normalised ? 0.25 : 1.0)) * rcp(fma(g.n_dot_v, T(1.f) - out.k, out.k));
         return out;
     }
 
     template <class T>
-    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options&, const Geometry<T>& g, const LightSample<T>& s, T (&w)[3]) {
+    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options&, const Geometry<T>& g,
+                                       const LightSample<T>& s, T (&w)[3]) {
         const HalfVector<T> h = half_vector(g, s);
         const T n_dot_l = max(s.n_dot_l, T(0.f));
         const T t = ggx_bracket(m.alpha2, h.sin2_h());

@@ -16,8 +16,7 @@ struct Lambert {
         "Option: sss_color·p·NdotL is added, p = (1−g²)/(4π(1+g²−2g·v·l)^1.5) [HenyeyGreenstein1941, eq. 2] with g = sss_anisotropy, a "
         "stand-in for light that scattered below the surface. It adds energy.";
 
-    template <class T>
-    struct Params {
+    template <class T> struct Params {
         Color<T> base_color;
         Color<T> sss_color;
         T sss_anisotropy;
@@ -39,8 +38,7 @@ struct Lambert {
     static constexpr bool lit_from_below = false;
     static constexpr Lobe terms[] = {Lobe::diffuse, Lobe::diffuse};
 
-    template <class T>
-    struct Prepared : PreparedTerms<T, 2> {
+    template <class T> struct Prepared : PreparedTerms<T, 2> {
         HenyeyGreenstein<T> phase;
         bool any_sss;
     };
@@ -58,7 +56,8 @@ struct Lambert {
     }
 
     template <class T>
-    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options&, const Geometry<T>&, const LightSample<T>& s, T (&w)[2]) {
+    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options&, const Geometry<T>&,
+                                       const LightSample<T>& s, T (&w)[2]) {
         w[0] = max(s.n_dot_l, T(0.f));
         w[1] = T(0.f);
         if (m.any_sss) w[1] = w[0] * m.phase(s.v_dot_l);

@@ -16,8 +16,7 @@ struct LambertWrapped {
         "that of Valve's games [Mitchell2007]. Lit from below the horizon too, so it is not reciprocal: shadows that were cast "
         "there must not be expected.";
 
-    template <class T>
-    struct Params {
+    template <class T> struct Params {
         Color<T> base_color;
         T wrap;
         T power;
@@ -29,8 +28,10 @@ struct LambertWrapped {
     };
     static constexpr Parameter parameters[] = {
         row::base_color(RELUME_SLOT(base_color)),
-        row::scalar("wrap", RELUME_SLOT(wrap), 0.5, 0, 1, "Wrap", "How far light reaches around: 0 is Lambert, 1 lights all but the point opposite."),
-        row::scalar("power", RELUME_SLOT(power), 1, 0, kUnbounded, "Power", "Exponent of the wrapped cosine; 2 is softer at the terminator.", 1, 4),
+        row::scalar("wrap", RELUME_SLOT(wrap), 0.5, 0, 1, "Wrap",
+                    "How far light reaches around: 0 is Lambert, 1 lights all but the point opposite."),
+        row::scalar("power", RELUME_SLOT(power), 1, 0, kUnbounded, "Power",
+                    "Exponent of the wrapped cosine; 2 is softer at the terminator.", 1, 4),
         row::ambient(RELUME_SLOT(ambient)),
         row::emission(RELUME_SLOT(emission)),
         row::energy_conserving(RELUME_OPTION(energy_conserving)),
@@ -39,8 +40,7 @@ struct LambertWrapped {
     static constexpr bool lit_from_below = true;
     static constexpr Lobe terms[] = {Lobe::diffuse};
 
-    template <class T>
-    struct Prepared : PreparedTerms<T, 1> {
+    template <class T> struct Prepared : PreparedTerms<T, 1> {
         T wrap, inv_range, power;  // inv_range = 1/(1+wrap)
         bool any_power;
     };
@@ -54,14 +54,16 @@ struct LambertWrapped {
         out.power = max(p.power, T(0.f));
         out.any_power = any(out.power != one);
         const bool normalised = o.energy_conserving != 0;
-        out.color[0] = normalised ? scale(p.base_color, constant<T>(0.5 * kInvPi) * (out.power + one) * out.inv_range) : p.base_color;
+        out.color[0] = normalised ? scale(p.base_color, constant<T>(0.5 * kInvPi) * (out.power + one) * out.inv_range)
+                                  : p.base_color;
         out.ambient = scale(p.base_color, constant<T>(normalised ? kInvPi : 1.0));
         out.emission = fma(mul(p.base_color, p.ambient), g.ambient_occlusion, p.emission);
         return out;
     }
 
     template <class T>
-    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options&, const Geometry<T>&, const LightSample<T>& s, T (&w)[1]) {
+    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options&, const Geometry<T>&,
+                                       const LightSample<T>& s, T (&w)[1]) {
         const T zero(0.f);
         const T x = max((s.n_dot_l + m.wrap) * m.inv_range, zero);
         w[0] = x;

@@ -17,8 +17,7 @@ struct OrenNayar {
         "base_color·NdotL·(A + B·s/t), t = max(NdotL, NdotV) where s > 0 and 1 elsewhere, A = 1/(π+(π/2−2/3)σ), B = σA [Fujii2012]: no "
         "dark ring, sigma 0 to 1, albedo at most base_color. Both are reciprocal.";
 
-    template <class T>
-    struct Params {
+    template <class T> struct Params {
         Color<T> base_color;
         T sigma;
         Color<T> ambient;
@@ -31,20 +30,18 @@ struct OrenNayar {
 
     static constexpr Parameter parameters[] = {
         row::base_color(RELUME_SLOT(base_color)),
-        row::scalar("sigma", RELUME_SLOT(sigma), 0.5, 0, kPi / 2, "Sigma", "Roughness: spread of the facets' slopes. Form fujii takes it up to 1.", 0, 1,
-                    "radians"),
+        row::scalar("sigma", RELUME_SLOT(sigma), 0.5, 0, kPi / 2, "Sigma",
+                    "Roughness: spread of the facets' slopes. Form fujii takes it up to 1.", 0, 1, "radians"),
         row::ambient(RELUME_SLOT(ambient)),
         row::emission(RELUME_SLOT(emission)),
-        row::choice("form", RELUME_OPTION(form), 0, "1994|fujii", "Form", "The fit as published or Fujii's improved one."),
+        row::choice("form", RELUME_OPTION(form), 0, "1994|fujii", "Form",
+                    "The fit as published or Fujii's improved one."),
     };
     static constexpr bool needs_tangent = false;
     static constexpr bool lit_from_below = false;
     static constexpr Lobe terms[] = {Lobe::diffuse};
 
-    template <class T>
-    struct Prepared : PreparedTerms<T, 1> {
-        T a, b;
-    };
+    template <class T> struct Prepared : PreparedTerms<T, 1> { T a, b; };
 
     template <class T>
     static RELUME_INLINE Prepared<T> prepare(const Params<T>& p, const Options& o, const Geometry<T>& g) {
@@ -66,7 +63,8 @@ struct OrenNayar {
     }
 
     template <class T>
-    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options& o, const Geometry<T>& g, const LightSample<T>& s, T (&w)[1]) {
+    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options& o, const Geometry<T>& g,
+                                       const LightSample<T>& s, T (&w)[1]) {
         const T zero(0.f);
         const T n_dot_l = max(s.n_dot_l, zero);
         const T plane = fnma(n_dot_l, g.n_dot_v, s.v_dot_l);  // sinθl·sinθv·cos(φl − φv)

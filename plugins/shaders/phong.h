@@ -17,8 +17,7 @@ struct Phong {
         "Highlights stay round at grazing view, where real ones stretch: see blinn_phong. Normalised it is reciprocal, plain not. The "
         "albedo stays below 1 where base_color + specular_color does.";
 
-    template <class T>
-    struct Params {
+    template <class T> struct Params {
         Color<T> base_color;
         Color<T> specular_color;
         T exponent;
@@ -29,19 +28,15 @@ struct Phong {
         std::int32_t energy_conserving;
     };
     static constexpr Parameter parameters[] = {
-        row::base_color(RELUME_SLOT(base_color)),
-        row::specular_color(RELUME_SLOT(specular_color), 0.04),
-        row::exponent(RELUME_SLOT(exponent), 32, 128),
-        row::ambient(RELUME_SLOT(ambient)),
-        row::emission(RELUME_SLOT(emission)),
-        row::energy_conserving(RELUME_OPTION(energy_conserving)),
+        row::base_color(RELUME_SLOT(base_color)),      row::specular_color(RELUME_SLOT(specular_color), 0.04),
+        row::exponent(RELUME_SLOT(exponent), 32, 128), row::ambient(RELUME_SLOT(ambient)),
+        row::emission(RELUME_SLOT(emission)),          row::energy_conserving(RELUME_OPTION(energy_conserving)),
     };
     static constexpr bool needs_tangent = false;
     static constexpr bool lit_from_below = false;
     static constexpr Lobe terms[] = {Lobe::diffuse, Lobe::specular};
 
-    template <class T>
-    struct Prepared : PreparedTerms<T, 2> {
+    template <class T> struct Prepared : PreparedTerms<T, 2> {
         Vec3<T> mirrored;  // reflect(−v, n): r·v = l·mirrored
         T exponent;
     };
@@ -53,14 +48,16 @@ struct Phong {
         out.exponent = max(p.exponent, T(0.f));
         out.mirrored = mirrored_view(g);
         out.color[0] = scale(p.base_color, constant<T>(normalised ? kInvPi : 1.0));
-        out.color[1] = normalised ? scale(p.specular_color, constant<T>(0.5 * kInvPi) * (out.exponent + T(2.f))) : p.specular_color;
+        out.color[1] = normalised ? scale(p.specular_color, constant<T>(0.5 * kInvPi) * (out.exponent + T(2.f)))
+                                  : p.specular_color;
         out.ambient = out.color[0];
         out.emission = fma(mul(p.base_color, p.ambient), g.ambient_occlusion, p.emission);
         return out;
     }
 
     template <class T>
-    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options& o, const Geometry<T>&, const LightSample<T>& s, T (&w)[2]) {
+    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options& o, const Geometry<T>&,
+                                       const LightSample<T>& s, T (&w)[2]) {
         const T n_dot_l = max(s.n_dot_l, T(0.f));
         const Vec3<T> d = sub(s.l, m.mirrored);
         const T lobe = cosine_power(constant<T>(0.5) * dot(d, d), m.exponent);  // |l − mirrored|² = 2 − 2·r·v

@@ -28,8 +28,7 @@ struct Principled {
         "variant mitsuba, as Mitsuba 3's principled: exact dielectric Fresnel of eta = 2/(1−√(0.08·specular))−1, clearcoat masking "
         "without the 1/(4·NdotL·NdotV), Rec.709 weights in the tint, no highlight of a dielectric at specular 0.";
 
-    template <class T>
-    struct Params {
+    template <class T> struct Params {
         Color<T> base_color;
         T metallic;
         T subsurface;
@@ -51,7 +50,8 @@ struct Principled {
     static constexpr Parameter parameters[] = {
         row::base_color(RELUME_SLOT(base_color), 0.82, 0.67, 0.16),
         row::metallic(RELUME_SLOT(metallic)),
-        row::scalar("subsurface", RELUME_SLOT(subsurface), 0, 0, 1, "Subsurface", "Blends the diffuse shape towards a flatter one, as of wax or skin."),
+        row::scalar("subsurface", RELUME_SLOT(subsurface), 0, 0, 1, "Subsurface",
+                    "Blends the diffuse shape towards a flatter one, as of wax or skin."),
         row::scalar("specular", RELUME_SLOT(specular), 0.5, 0, kUnbounded, "Specular",
                     "Reflectance of a dielectric at normal incidence in units of 8 %: 0.5 is 4 %."),
         row::roughness(RELUME_SLOT(roughness)),
@@ -60,9 +60,11 @@ struct Principled {
         row::sheen(RELUME_SLOT(sheen)),
         row::sheen_tint(RELUME_SLOT(sheen_tint)),
         row::clearcoat(RELUME_SLOT(clearcoat)),
-        row::scalar("clearcoat_gloss", RELUME_SLOT(clearcoat_gloss), 1, 0, 1, "Clearcoat gloss", "0: satin; 1: glossy."),
+        row::scalar("clearcoat_gloss", RELUME_SLOT(clearcoat_gloss), 1, 0, 1, "Clearcoat gloss",
+                    "0: satin; 1: glossy."),
         row::emission(RELUME_SLOT(emission)),
-        row::choice("variant", RELUME_OPTION(variant), 0, "burley|mitsuba", "Variant", "Whose principled: Burley's own or Mitsuba 3's."),
+        row::choice("variant", RELUME_OPTION(variant), 0, "burley|mitsuba", "Variant",
+                    "Whose principled: Burley's own or Mitsuba 3's."),
     };
     static constexpr bool needs_tangent = true;
     static constexpr int anisotropy_slot = RELUME_SLOT(anisotropic);
@@ -71,15 +73,14 @@ struct Principled {
 
     static constexpr double kCoatMasking2 = 0.25 * 0.25;
 
-    template <class T>
-    struct Prepared : PreparedTerms<T, 4> {
+    template <class T> struct Prepared : PreparedTerms<T, 4> {
         T roughness, subsurface;
         T fresnel_v, n_dot_v;
-        T alpha2, weight;  // weight = alpha²/π·g(v)
+        T alpha2, weight;     // weight = alpha²/π·g(v)
         T eta, exact, white;  // mitsuba: weights of the exact Fresnel and of Schlick's grazing term
         T anisotropic, alpha_x, alpha_y, masking_v;
         Vec3<T> tangent, bitangent;
-        T coat;            // clearcoat/4·g(v)
+        T coat;  // clearcoat/4·g(v)
         Gtr1<T> coat_distribution;
         bool any_subsurface, any_sheen, any_anisotropic, any_coat;
     };
@@ -90,7 +91,8 @@ struct Principled {
         Prepared<T> out;
         const T metallic = saturate(p.metallic), dielectric = one - metallic;
         const T f0 = constant<T>(0.08) * max(p.specular, zero);
-        const Color<T> tint = o.variant == mitsuba ? tint_of(p.base_color, kLuminanceRec709) : tint_of(p.base_color, kLuminanceBurley);
+        const Color<T> tint =
+            o.variant == mitsuba ? tint_of(p.base_color, kLuminanceRec709) : tint_of(p.base_color, kLuminanceBurley);
         out.color[0] = scale(p.base_color, dielectric * constant<T>(kInvPi));
         out.color[1] = scale(lerp(splat(one), tint, saturate(p.sheen_tint)), saturate(p.sheen) * dielectric);
         const T specular_tint = saturate(p.specular_tint);
@@ -127,20 +129,23 @@ struct Principled {
             const T rough2 = square(out.roughness);
             out.alpha_x = max(rough2 * rcp(aspect), least);
             out.alpha_y = max(rough2 * aspect, least);
-            out.masking_v = ggx_half_masking_anisotropic(out.alpha_x, out.alpha_y, dot(out.tangent, g.v), dot(out.bitangent, g.v), g.n_dot_v);
+            out.masking_v = ggx_half_masking_anisotropic(out.alpha_x, out.alpha_y, dot(out.tangent, g.v),
+                                                         dot(out.bitangent, g.v), g.n_dot_v);
         }
         out.any_sheen = any(p.sheen > zero);
         out.any_coat = any(p.clearcoat > zero);
         if (out.any_coat) {
             out.coat_distribution = gtr1(lerp(constant<T>(0.1), constant<T>(0.001), saturate(p.clearcoat_gloss)));
-            out.coat = constant<T>(0.25) * saturate(p.clearcoat) * ggx_half_masking(constant<T>(kCoatMasking2), g.n_dot_v);
+            out.coat =
+                constant<T>(0.25) * saturate(p.clearcoat) * ggx_half_masking(constant<T>(kCoatMasking2), g.n_dot_v);
             if (o.variant == mitsuba) out.coat = out.coat * T(2.f) * g.n_dot_v;
         }
         return out;
     }
 
     template <class T>
-    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options& o, const Geometry<T>& g, const LightSample<T>& s, T (&w)[4]) {
+    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options& o, const Geometry<T>& g,
+                                       const LightSample<T>& s, T (&w)[4]) {
         const T zero(0.f), one(1.f), half = constant<T>(0.5);
         const HalfVector<T> h = half_vector(g, s);
         const T n_dot_l = max(s.n_dot_l, zero);
@@ -162,14 +167,18 @@ struct Principled {
         T lobe = m.weight * n_dot_l * ggx_half_masking(m.alpha2, n_dot_l) * rcp(bracket * bracket);
         if (m.any_anisotropic) {
             const Vec3<T> hd = half_direction(g, s, h);
-            const T d = ggx_distribution_anisotropic(m.alpha_x, m.alpha_y, dot(m.tangent, hd), dot(m.bitangent, hd), square(h.n_dot_h()));
-            const T masking = m.masking_v * ggx_half_masking_anisotropic(m.alpha_x, m.alpha_y, dot(m.tangent, s.l), dot(m.bitangent, s.l), n_dot_l);
+            const T d = ggx_distribution_anisotropic(m.alpha_x, m.alpha_y, dot(m.tangent, hd), dot(m.bitangent, hd),
+                                                     square(h.n_dot_h()));
+            const T masking = m.masking_v * ggx_half_masking_anisotropic(m.alpha_x, m.alpha_y, dot(m.tangent, s.l),
+                                                                         dot(m.bitangent, s.l), n_dot_l);
             lobe = select(m.anisotropic > zero, d * masking * n_dot_l, lobe);
         }
         w[2] = fma(-fh, lobe, lobe);
-        w[3] = o.variant == mitsuba ? lobe * fma(m.exact, dielectric_fresnel(h.v_dot_h, m.eta), fh * m.white) : fh * lobe;
+        w[3] =
+            o.variant == mitsuba ? lobe * fma(m.exact, dielectric_fresnel(h.v_dot_h, m.eta), fh * m.white) : fh * lobe;
         if (m.any_coat) {
-            T coat = m.coat * n_dot_l * m.coat_distribution(sin2_h) * ggx_half_masking(constant<T>(kCoatMasking2), n_dot_l);
+            T coat =
+                m.coat * n_dot_l * m.coat_distribution(sin2_h) * ggx_half_masking(constant<T>(kCoatMasking2), n_dot_l);
             if (o.variant == mitsuba) coat = coat * T(2.f) * n_dot_l;
             w[3] = fma(coat, lerp(constant<T>(0.04), one, fh), w[3]);
         }

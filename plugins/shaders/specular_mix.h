@@ -19,8 +19,7 @@ struct SpecularMix {
         "which loses 1 %, 3 % at grazing view. Roughness 1 is Lambert, 0 a mirror: no highlight of sun, point and spot lights below roughness 0.01. Not "
         "reciprocal; the albedo is at most mix(base_color, specular_color, p).";
 
-    template <class T>
-    struct Params {
+    template <class T> struct Params {
         Color<T> base_color;
         T percent_specular;
         Color<T> specular_color;
@@ -31,7 +30,8 @@ struct SpecularMix {
     struct Options {};
     static constexpr Parameter parameters[] = {
         row::base_color(RELUME_SLOT(base_color)),
-        row::scalar("percent_specular", RELUME_SLOT(percent_specular), 0.5, 0, 1, "Percent specular", "Share of the light that is reflected by the glossy lobe."),
+        row::scalar("percent_specular", RELUME_SLOT(percent_specular), 0.5, 0, 1, "Percent specular",
+                    "Share of the light that is reflected by the glossy lobe."),
         row::specular_color(RELUME_SLOT(specular_color), 1),
         row::roughness(RELUME_SLOT(roughness)),
         row::ambient(RELUME_SLOT(ambient)),
@@ -41,11 +41,10 @@ struct SpecularMix {
     static constexpr bool lit_from_below = false;
     static constexpr Lobe terms[] = {Lobe::diffuse, Lobe::specular};
 
-    static constexpr double kMirror = 1e-4;       // t at and below which the lobe is a mirror
-    static constexpr double kLeastSlope = 0.05;   // of abs(l·d), at the lobe's edge
+    static constexpr double kMirror = 1e-4;      // t at and below which the lobe is a mirror
+    static constexpr double kLeastSlope = 0.05;  // of abs(l·d), at the lobe's edge
 
-    template <class T>
-    struct Prepared : PreparedTerms<T, 2> {
+    template <class T> struct Prepared : PreparedTerms<T, 2> {
         Vec3<T> mirrored;
         T t, one_minus_t;
         T weight;  // 1/(π·t³); 0 for a mirror
@@ -68,20 +67,21 @@ struct SpecularMix {
     }
 
     template <class T>
-    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options&, const Geometry<T>& g, const LightSample<T>& s, T (&w)[2]) {
+    static RELUME_INLINE void evaluate(const Prepared<T>& m, const Options&, const Geometry<T>& g,
+                                       const LightSample<T>& s, T (&w)[2]) {
         const T zero(0.f), half = constant<T>(0.5), n_dot_l = max(s.n_dot_l, zero);
         // Everything from the small vector l − rv: as written in the help, both μ − … and n·d cancel at low roughness.
         const Vec3<T> e = sub(s.l, m.mirrored);
-        const T q = dot(e, e);                                      // 2 − 2μ
+        const T q = dot(e, e);  // 2 − 2μ
         const T mu = fnma(half, q, T(1.f));
-        const T sin2 = q * fma(q, constant<T>(-0.25), T(1.f));      // 1 − μ²
+        const T sin2 = q * fma(q, constant<T>(-0.25), T(1.f));  // 1 − μ²
         const T disc = fnma(m.one_minus_t * m.one_minus_t, sin2, m.t * m.t);
-        const T root = safe_sqrt(disc);                             // = t·abs(l·d)
+        const T root = safe_sqrt(disc);  // = t·abs(l·d)
         const T far = m.one_minus_t * mu + root;
         const T near = m.one_minus_t * mu - root;
         const T across = m.one_minus_t * fnma(half * q, s.n_dot_l, dot(g.n, e));  // (1−t)·(μ·n·l − n·rv)
         const T along = root * s.n_dot_l;
-        const T lobe_far = select(far > zero, max(across + along, zero) * far * far, zero);    // t·n·d·s²
+        const T lobe_far = select(far > zero, max(across + along, zero) * far * far, zero);  // t·n·d·s²
         const T lobe_near = select(near > zero, max(across - along, zero) * near * near, zero);
         const T pole = rcp(max(root, constant<T>(kLeastSlope) * m.t)) * m.t;
         w[0] = n_dot_l;

@@ -12,17 +12,13 @@ struct Unlit {
     static constexpr std::string_view help =
         "Emission alone: skies, screens, lamps, matte paintings. No light reaches it, lights without a direction included.";
 
-    template <class T>
-    struct Params {
-        Color<T> emission;
-    };
+    template <class T> struct Params { Color<T> emission; };
     struct Options {};
     static constexpr Parameter parameters[] = {row::emission(RELUME_SLOT(emission))};
     static constexpr bool needs_tangent = false;
     static constexpr bool lit_from_below = false;
 
-    template <class T>
-    struct Prepared {
+    template <class T> struct Prepared {
         Color<T> ambient;
         Color<T> emission;
     };
@@ -33,7 +29,8 @@ struct Unlit {
     }
 
     template <class T>
-    static RELUME_INLINE Lobes<T> evaluate(const Prepared<T>&, const Options&, const Geometry<T>&, const LightSample<T>&) {
+    static RELUME_INLINE Lobes<T> evaluate(const Prepared<T>&, const Options&, const Geometry<T>&,
+                                           const LightSample<T>&) {
         const Color<T> none = splat(T(0.f));
         return {none, none, none};
     }

@@ -47,8 +47,10 @@ TEST(Display, SrgbRoundTrips) {
         worst = std::max(worst, std::abs(srgb_encode(srgb_decode(x)) - x));
     }
     EXPECT_LT(worst, 4e-8) << "only where the pieces meet";
-    for (int code = 0; code < 256; ++code) EXPECT_EQ(quantize8(srgb_encode(srgb_decode(dequantize8(static_cast<std::uint8_t>(code))))), code);
-    for (int code = 0; code < 65536; ++code) ASSERT_EQ(quantize16(srgb_encode(srgb_decode(dequantize16(static_cast<std::uint16_t>(code))))), code);
+    for (int code = 0; code < 256; ++code)
+        EXPECT_EQ(quantize8(srgb_encode(srgb_decode(dequantize8(static_cast<std::uint8_t>(code))))), code);
+    for (int code = 0; code < 65536; ++code)
+        ASSERT_EQ(quantize16(srgb_encode(srgb_decode(dequantize16(static_cast<std::uint16_t>(code))))), code);
 }
 
 TEST(Display, CurvesInFloatAreThoseInDouble) {
@@ -100,10 +102,12 @@ TEST(Display, FilmCurve) {
 
 TEST(Display, NothingIsNaNOrOutsideTheScreen) {
     for (const ToneCurve tone : {ToneCurve::none, ToneCurve::reinhard, ToneCurve::aces})
-        for (const DisplayEncoding encoding : {DisplayEncoding::srgb, DisplayEncoding::gamma22, DisplayEncoding::linear})
+        for (const DisplayEncoding encoding :
+             {DisplayEncoding::srgb, DisplayEncoding::gamma22, DisplayEncoding::linear})
             for (const double exposure : {-2000.0, -1.0, 0.0, 3.0, 2000.0}) {
                 const DisplayTransform transform{exposure, tone, encoding};
-                for (const float x : {kNaN, -kInfinity, -1.0f, -0.0f, 0.0f, 1e-45f, 0.5f, 1.0f, 65504.0f, 3e38f, kInfinity}) {
+                for (const float x :
+                     {kNaN, -kInfinity, -1.0f, -0.0f, 0.0f, 1e-45f, 0.5f, 1.0f, 65504.0f, 3e38f, kInfinity}) {
                     const float y = transform(x);
                     EXPECT_TRUE(y >= 0 && y <= 1) << x << " " << exposure << " " << y;
                     EXPECT_TRUE(x > 0 || y == 0) << x;
@@ -117,12 +121,14 @@ TEST(Display, ExposureIsAFactorBeforeTheCurves) {
         const DisplayTransform one{1, tone, DisplayEncoding::srgb}, none{0, tone, DisplayEncoding::srgb};
         for (const float x : {0.001f, 0.1f, 0.4f, 2.0f}) EXPECT_EQ(one(x), none(2 * x));
     }
-    EXPECT_FLOAT_EQ((DisplayTransform{-1, ToneCurve::aces, DisplayEncoding::srgb})(0.8f), static_cast<float>(srgb_encode(aces_film(0.4))));
+    EXPECT_FLOAT_EQ((DisplayTransform{-1, ToneCurve::aces, DisplayEncoding::srgb})(0.8f),
+                    static_cast<float>(srgb_encode(aces_film(0.4))));
 }
 
 TEST(Display, QuantizingRoundsToTheNearest) {
     for (int code = 0; code < 256; ++code) EXPECT_EQ(quantize8(dequantize8(static_cast<std::uint8_t>(code))), code);
-    for (int code = 0; code < 65536; ++code) ASSERT_EQ(quantize16(dequantize16(static_cast<std::uint16_t>(code))), code);
+    for (int code = 0; code < 65536; ++code)
+        ASSERT_EQ(quantize16(dequantize16(static_cast<std::uint16_t>(code))), code);
     // Between two codes the border is where the exact product passes a half.
     for (int code = 0; code < 65535; ++code) {
         const double border = (code + 0.5) / 65535;
@@ -159,7 +165,8 @@ TEST(Display, InterleavedPlanarAndBackwardsAreTheSame) {
     for (int c = 0; c < 3; ++c) planes.push_back(plane_of(interleaved.data() + c, 4, 4 * kWidth));
     transform.apply(planes, kWidth, kHeight);
     std::vector<Plane> separate;
-    for (int c = 0; c < 3; ++c) separate.push_back(plane_of(planar.data() + (c + 1) * kWidth * kHeight - 1, -1, -kWidth));
+    for (int c = 0; c < 3; ++c)
+        separate.push_back(plane_of(planar.data() + (c + 1) * kWidth * kHeight - 1, -1, -kWidth));
     transform.apply(separate, kWidth, kHeight);
 
     for (std::size_t i = 0; i < kWidth * kHeight; ++i) {
@@ -200,7 +207,8 @@ TEST(Display, Halves) {
     for (std::uint16_t& half : pixel) planes.push_back({reinterpret_cast<std::byte*>(&half), PixelType::half, 6, 6});
     const DisplayTransform transform;
     transform.apply(planes, 1, 1);
-    for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(pixel[c], io::float_to_half(transform(0.25f * static_cast<float>(c + 1))));
+    for (std::size_t c = 0; c < 3; ++c)
+        EXPECT_EQ(pixel[c], io::float_to_half(transform(0.25f * static_cast<float>(c + 1))));
 }
 
 TEST(Display, PlanesThatCannotBe) {

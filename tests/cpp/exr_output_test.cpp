@@ -33,8 +33,7 @@ int files_in(const std::filesystem::path& folder) {
     return count;
 }
 
-template <typename Call>
-std::string message_of(ErrorKind kind, Call&& call) {
+template <typename Call> std::string message_of(ErrorKind kind, Call&& call) {
     try {
         call();
     } catch (const Error& error) {

@@ -56,14 +56,12 @@ struct TestPlane {
         const auto size = static_cast<std::ptrdiff_t>(size_of(type));
         return {bytes.data(), type, size, size * width};
     }
-    template <typename T>
-    T at(int column, int row) const {
+    template <typename T> T at(int column, int row) const {
         T value;
         std::memcpy(&value, bytes.data() + (static_cast<std::size_t>(row) * width + column) * sizeof(T), sizeof(T));
         return value;
     }
-    template <typename T>
-    void set(int column, int row, T value) {
+    template <typename T> void set(int column, int row, T value) {
         std::memcpy(bytes.data() + (static_cast<std::size_t>(row) * width + column) * sizeof(T), &value, sizeof(T));
     }
 };

@@ -71,7 +71,8 @@ protected:
         std::filesystem::remove_all(folder_);
     }
 
-    OcioChoice choice(const std::string& display = {}, const std::string& view = {}, const std::string& space = {}) const {
+    OcioChoice choice(const std::string& display = {}, const std::string& view = {},
+                      const std::string& space = {}) const {
         OcioChoice out;
         out.config = config_;
         out.display = display;
@@ -80,8 +81,7 @@ protected:
         return out;
     }
 
-    template <class Make>
-    std::string refusal(ErrorKind kind, Make make) const {
+    template <class Make> std::string refusal(ErrorKind kind, Make make) const {
         try {
             make();
         } catch (const Error& error) {
@@ -129,8 +129,10 @@ TEST_F(Ocio, ViewsAreTheirClosedForms) {
 TEST_F(Ocio, ConversionsAgreeWithTheMatrices) {
     const auto convert = OcioTransform::conversion(config_, "lin_ap1", "lin_rec709");
     EXPECT_EQ(convert.choice().space, "ACEScg") << "found by another of its names";
-    const ColorMatrix matrix = rgb_to_rgb(find_working_space("ACEScg")->chromaticities, find_working_space("lin_rec709")->chromaticities);
-    for (const std::array<float, 3> color : {std::array{1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {0.0f, 0.0f, 1.0f}, {0.2f, 0.5f, 3.0f}}) {
+    const ColorMatrix matrix =
+        rgb_to_rgb(find_working_space("ACEScg")->chromaticities, find_working_space("lin_rec709")->chromaticities);
+    for (const std::array<float, 3> color :
+         {std::array{1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {0.0f, 0.0f, 1.0f}, {0.2f, 0.5f, 3.0f}}) {
         std::array<float, 3> got = color;
         convert.apply(got);
         const auto wanted = transformed(matrix, {color[0], color[1], color[2]});
@@ -154,7 +156,8 @@ TEST_F(Ocio, PicturesWithAlpha) {
     const auto srgb = OcioTransform::display(choice("sRGB", "Plain"));
     float pixels[8] = {0.125f, 0.25f, 0.5f, 0.5f, 0.25f, 0.5f, 1.0f, 1.0f};
     std::vector<Plane> planes;
-    for (int c = 0; c < 4; ++c) planes.push_back({reinterpret_cast<std::byte*>(pixels + c), PixelType::float32, 16, 32});
+    for (int c = 0; c < 4; ++c)
+        planes.push_back({reinterpret_cast<std::byte*>(pixels + c), PixelType::float32, 16, 32});
     srgb.apply(planes, 2, 1, AlphaMode::premultiplied, AlphaMode::straight);
     for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(pixels[c], pixels[4 + c], 1e-6) << "both are the same colour";
     EXPECT_NEAR(pixels[0], srgb_encode(0.25), 3e-5);
@@ -178,24 +181,30 @@ TEST_F(Ocio, MistakesNameTheNearest) {
               "the OpenColorIO config has no view 'Plane' for display 'sRGB'; did you mean 'Plain'?");
     EXPECT_EQ(refusal(ErrorKind::parameter, [&] { OcioTransform::display(choice("sRGB", "Plain", "ACESg")); }),
               "the OpenColorIO config has no colour space 'ACESg'; did you mean 'ACEScg'?");
-    EXPECT_EQ(refusal(ErrorKind::parameter, [&] { OcioTransform::conversion(config_, "lin_ap0", "sRGB"); }).substr(0, 53),
-              "the OpenColorIO config has no colour space 'lin_ap0';");
+    EXPECT_EQ(
+        refusal(ErrorKind::parameter, [&] { OcioTransform::conversion(config_, "lin_ap0", "sRGB"); }).substr(0, 53),
+        "the OpenColorIO config has no colour space 'lin_ap0';");
     OcioChoice looked = choice("sRGB", "Plain");
     looked.look = "halve";
-    EXPECT_EQ(refusal(ErrorKind::parameter, [&] { OcioTransform::display(looked); }), "the OpenColorIO config has no look 'halve'; did you mean 'half'?");
-    EXPECT_EQ(refusal(ErrorKind::value, [&] { OcioTransform::display(choice("sRGB", "Broken")); }).substr(0, 41), "OpenColorIO cannot make the transform: Th");
+    EXPECT_EQ(refusal(ErrorKind::parameter, [&] { OcioTransform::display(looked); }),
+              "the OpenColorIO config has no look 'halve'; did you mean 'half'?");
+    EXPECT_EQ(refusal(ErrorKind::value, [&] { OcioTransform::display(choice("sRGB", "Broken")); }).substr(0, 41),
+              "OpenColorIO cannot make the transform: Th");
 }
 
 TEST_F(Ocio, ConfigsThatAreNone) {
-    EXPECT_EQ(refusal(ErrorKind::file, [] { ocio_displays(); }),
-              "no OpenColorIO config: the environment variable OCIO is not set; set it to a config's file, or name one");
+    EXPECT_EQ(
+        refusal(ErrorKind::file, [] { ocio_displays(); }),
+        "no OpenColorIO config: the environment variable OCIO is not set; set it to a config's file, or name one");
     ::setenv("OCIO", "/nowhere/config.ocio", 1);
     EXPECT_EQ(refusal(ErrorKind::file, [] { ocio_displays(); }),
               "/nowhere/config.ocio (named by the environment variable OCIO): no such OpenColorIO config");
     const std::string bad = (folder_ / "bad.ocio").string();
     std::ofstream(bad) << "this is: [no config";
-    EXPECT_EQ(refusal(ErrorKind::file, [&] { ocio_displays(bad); }).substr(0, bad.size() + 27), bad + ": not an OpenColorIO config");
-    EXPECT_EQ(refusal(ErrorKind::file, [&] { ocio_displays(folder_.string()); }), folder_.string() + ": is a directory; an OpenColorIO config is a file");
+    EXPECT_EQ(refusal(ErrorKind::file, [&] { ocio_displays(bad); }).substr(0, bad.size() + 27),
+              bad + ": not an OpenColorIO config");
+    EXPECT_EQ(refusal(ErrorKind::file, [&] { ocio_displays(folder_.string()); }),
+              folder_.string() + ": is a directory; an OpenColorIO config is a file");
 }
 
 }  // namespace

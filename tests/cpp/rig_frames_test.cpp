@@ -35,12 +35,14 @@ TEST(Frames, NegativeNumbersCountTheirSign) {
 }
 
 TEST(Frames, WhatIsNoPlaceHolderStays) {
-    for (const char* name : {"a/shot#3/b.exr", "a%b.exr", "100%.exr", "%s.exr", "%04x.exr", "{frames}.exr", "{frame:x}.exr", "{frame", "%", "%99999999999d", "{"}) {
+    for (const char* name : {"a/shot#3/b.exr", "a%b.exr", "100%.exr", "%s.exr", "%04x.exr", "{frames}.exr",
+                             "{frame:x}.exr", "{frame", "%", "%99999999999d", "{"}) {
         EXPECT_FALSE(is_pattern(name)) << name;
         EXPECT_EQ(resolve_frame(name, 5), name);
     }
     EXPECT_FALSE(is_pattern(std::string(100000, '#')));
-    for (const char* name : {"a.#.exr", "####", "b/##/a.exr", "%d", "%4d", "{frame}", "{frame:4d}"}) EXPECT_TRUE(is_pattern(name)) << name;
+    for (const char* name : {"a.#.exr", "####", "b/##/a.exr", "%d", "%4d", "{frame}", "{frame:4d}"})
+        EXPECT_TRUE(is_pattern(name)) << name;
 }
 
 TEST(Frames, ListsOfFrames) {
@@ -56,8 +58,26 @@ TEST(Frames, ListsOfFrames) {
 }
 
 TEST(Frames, MistakesAreNamed) {
-    for (const char* text : {"", ",", "1,", "a", "1-", "1-2x", "1-2x0", "1-2x-1", "3-1", "1..3", "1-2y3", "x2", "1-2x2x2", "1 2", "99999999999999999999", "1-10000000",
-                             "-9223372036854775808-9223372036854775807", "1-600000,600001-1200001", "+1", "1.5"}) {
+    for (const char* text : {"",
+                             ",",
+                             "1,",
+                             "a",
+                             "1-",
+                             "1-2x",
+                             "1-2x0",
+                             "1-2x-1",
+                             "3-1",
+                             "1..3",
+                             "1-2y3",
+                             "x2",
+                             "1-2x2x2",
+                             "1 2",
+                             "99999999999999999999",
+                             "1-10000000",
+                             "-9223372036854775808-9223372036854775807",
+                             "1-600000,600001-1200001",
+                             "+1",
+                             "1.5"}) {
         try {
             parse_frames(text);
             ADD_FAILURE() << "'" << text << "' was accepted";

@@ -30,7 +30,8 @@ class RigFiles : public testing::Test {
 protected:
     void SetUp() override {
         const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-        folder_ = fs::temp_directory_path() / ("relume_rig_" + std::string(info->name()) + "_" + std::to_string(::getpid()));
+        folder_ =
+            fs::temp_directory_path() / ("relume_rig_" + std::string(info->name()) + "_" + std::to_string(::getpid()));
         fs::create_directories(folder_ / "sub");
     }
     void TearDown() override { fs::remove_all(folder_); }
@@ -47,7 +48,8 @@ protected:
         } catch (const Error& error) {
             EXPECT_EQ(error.kind(), kind) << error.what();
             std::string text = error.what();
-            for (std::size_t at; (at = text.find(folder_.string() + "/")) != std::string::npos;) text.erase(at, folder_.string().size() + 1);
+            for (std::size_t at; (at = text.find(folder_.string() + "/")) != std::string::npos;)
+                text.erase(at, folder_.string().size() + 1);
             return text;
         }
         return "accepted";
@@ -171,12 +173,14 @@ TEST(RigLoad, AnEmptyRigIsAllDefaults) {
     EXPECT_EQ(rig.output.values.text(output_parameters(), "type"), "half");
     EXPECT_EQ(rig.output.values.text(output_parameters(), "compression"), "zip");
     EXPECT_EQ(rig.output.values.text(output_parameters(), "metadata"), "keep");
-    EXPECT_TRUE(Rig::loads("\xEF\xBB\xBFversion = 1\r\n") == rig) << "a byte order mark, and lines as Windows ends them";
+    EXPECT_TRUE(Rig::loads("\xEF\xBB\xBFversion = 1\r\n") == rig)
+        << "a byte order mark, and lines as Windows ends them";
     EXPECT_TRUE(Rig::loads("light = []\nshader = []") == rig);
 }
 
 TEST(RigLoad, LightsWithoutANameGetTheirTypes) {
-    const Rig rig = Rig::loads("[[light]]\ntype='sun'\n[[light]]\ntype='sun'\n[[light]]\nname='sun_2'\ntype='sky'\n[[light]]\ntype='sky'\n");
+    const Rig rig = Rig::loads(
+        "[[light]]\ntype='sun'\n[[light]]\ntype='sun'\n[[light]]\nname='sun_2'\ntype='sky'\n[[light]]\ntype='sky'\n");
     std::vector<std::string> names;
     for (const Light& light : rig.lights) names.push_back(light.name);
     EXPECT_EQ(names, (std::vector<std::string>{"sun", "sun_3", "sun_2", "sky"}));
@@ -221,7 +225,9 @@ TEST(RigLoad, FromMaterialExpressionTakesWhatItsModelsShare) {
 }
 
 TEST_F(RigFiles, NamesOfFilesAreRelativeToTheRig) {
-    write("sub/base.relume", "[gbuffer]\nfile = '../shot.####.exr'\n[gbuffer.channels]\nroughness = 'maps/rough.####.PNG'\nnormal = 'N.left'\nmetallic = {channel = '/abs/m.exr'}\n");
+    write(
+        "sub/base.relume",
+        "[gbuffer]\nfile = '../shot.####.exr'\n[gbuffer.channels]\nroughness = 'maps/rough.####.PNG'\nnormal = 'N.left'\nmetallic = {channel = '/abs/m.exr'}\n");
     write("main.relume", "include = 'sub/base.relume'\n[gbuffer.channels]\nopacity = 'o.tif'\n");
     const Rig rig = Rig::load(folder_ / "main.relume");
     EXPECT_EQ(rig.path, folder_ / "main.relume");
@@ -314,7 +320,8 @@ aovs = ["specular"]
 
 TEST_F(RigFiles, AnIncludedLightMayBeCompletedLater) {
     write("base.relume", "[[light]]\nname = 'key'\ntype = 'point'\n");
-    EXPECT_EQ(refusal("base.relume"), "light 'key' has no position at base.relume:1:1; a point light needs one: position = [x, y, z]");
+    EXPECT_EQ(refusal("base.relume"),
+              "light 'key' has no position at base.relume:1:1; a point light needs one: position = [x, y, z]");
     write("main.relume", "include = 'base.relume'\n[[light]]\nname = 'key'\nposition = [1, 2, 3]\n");
     EXPECT_EQ(Rig::load(folder_ / "main.relume").get("light.key.position"), "[1, 2, 3]");
 }
@@ -337,16 +344,20 @@ TEST_F(RigFiles, IncludesThatGoWrong) {
     write("self.relume", "include = 'self.relume'\n");
     EXPECT_EQ(refusal("self.relume"), "rigs include each other in a circle: self.relume → self.relume");
     write("missing.relume", "\ninclude = ['nowhere.relume']\n");
-    EXPECT_EQ(refusal("missing.relume", ErrorKind::file), "nowhere.relume: no such rig file (included at missing.relume:2:1)");
+    EXPECT_EQ(refusal("missing.relume", ErrorKind::file),
+              "nowhere.relume: no such rig file (included at missing.relume:2:1)");
     write("typo.relume", "include = 'outdor'\n");
-    EXPECT_EQ(refusal("typo.relume", ErrorKind::file), "outdor: no such rig file (included at typo.relume:1:1); did you mean the built-in rig 'outdoor'?");
+    EXPECT_EQ(refusal("typo.relume", ErrorKind::file),
+              "outdor: no such rig file (included at typo.relume:1:1); did you mean the built-in rig 'outdoor'?");
     write("folder.relume", "include = 'sub'\n");
     EXPECT_EQ(refusal("folder.relume", ErrorKind::file), "sub: is a directory; a rig is a file");
     write("inner.relume", "[[light]]\nname = 'key'\ntype = 'sun'\nexposur = 1\n");
     write("outer.relume", "include = 'inner.relume'\n");
-    EXPECT_EQ(refusal("outer.relume"), "unknown key 'exposur' in light 'key' at inner.relume:4:1; did you mean 'exposure'?");
+    EXPECT_EQ(refusal("outer.relume"),
+              "unknown key 'exposur' in light 'key' at inner.relume:4:1; did you mean 'exposure'?");
     write("number.relume", "include = 3\n");
-    EXPECT_EQ(refusal("number.relume"), "the rig: include takes a list of strings, not the number 3 at number.relume:1:1");
+    EXPECT_EQ(refusal("number.relume"),
+              "the rig: include takes a list of strings, not the number 3 at number.relume:1:1");
     // Twice the same is no circle.
     write("leaf.relume", "[[light]]\nname = 'key'\ntype = 'sun'\n");
     write("twice.relume", "include = ['leaf.relume', 'leaf.relume']\n");

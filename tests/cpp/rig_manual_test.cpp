@@ -34,52 +34,78 @@ std::string number(double x) { return rigfile::short_number_text(x); }
 std::string takes(const Parameter& row) {
     std::string text;
     switch (row.type) {
-        case ParameterType::scalar: text = "number"; break;
-        case ParameterType::color: text = "number or [r, g, b]"; break;
-        case ParameterType::vector: text = "[x, y, z]"; break;
-        case ParameterType::boolean: return "true or false";
-        case ParameterType::integer: text = "whole number"; break;
+        case ParameterType::scalar:
+            text = "number";
+            break;
+        case ParameterType::color:
+            text = "number or [r, g, b]";
+            break;
+        case ParameterType::vector:
+            text = "[x, y, z]";
+            break;
+        case ParameterType::boolean:
+            return "true or false";
+        case ParameterType::integer:
+            text = "whole number";
+            break;
         case ParameterType::choice: {
-            for (const auto choice : rigfile::split_choices(row.choices)) text += (text.empty() ? "`\"" : ", `\"") + std::string(choice) + "\"`";
+            for (const auto choice : rigfile::split_choices(row.choices))
+                text += (text.empty() ? "`\"" : ", `\"") + std::string(choice) + "\"`";
             return text;
         }
-        case ParameterType::text: return "string";
-        case ParameterType::text_list: return "list of strings, or one";
-        case ParameterType::number_list: text = row.count > 0 ? std::to_string(row.count) + " numbers" : "list of numbers"; break;
+        case ParameterType::text:
+            return "string";
+        case ParameterType::text_list:
+            return "list of strings, or one";
+        case ParameterType::number_list:
+            text = row.count > 0 ? std::to_string(row.count) + " numbers" : "list of numbers";
+            break;
     }
     if (!row.unit.empty()) text += ", " + std::string(row.unit);
-    if (std::isfinite(row.min) && std::isfinite(row.max)) text += row.min == row.max ? "" : ", " + number(row.min) + " … " + number(row.max);
+    if (std::isfinite(row.min) && std::isfinite(row.max))
+        text += row.min == row.max ? "" : ", " + number(row.min) + " … " + number(row.max);
     else if (std::isfinite(row.min)) text += ", ≥ " + number(row.min);
     return text;
 }
 
 std::string default_of(const Parameter& row) {
     if (!row.has_default) return row.type == ParameterType::vector ? "required" : "–";
-    const auto triple = [&] { return row.value[0] == row.value[1] && row.value[1] == row.value[2] && row.type == ParameterType::color
-                                         ? number(row.value[0])
-                                         : "[" + number(row.value[0]) + ", " + number(row.value[1]) + ", " + number(row.value[2]) + "]"; };
+    const auto triple = [&] {
+        return row.value[0] == row.value[1] && row.value[1] == row.value[2] && row.type == ParameterType::color
+                   ? number(row.value[0])
+                   : "[" + number(row.value[0]) + ", " + number(row.value[1]) + ", " + number(row.value[2]) + "]";
+    };
     switch (row.type) {
         case ParameterType::color:
-        case ParameterType::vector: return triple();
-        case ParameterType::boolean: return row.value[0] != 0 ? "true" : "false";
-        case ParameterType::choice: return "\"" + std::string(rigfile::split_choices(row.choices).at(static_cast<std::size_t>(row.value[0]))) + "\"";
-        case ParameterType::text: return "\"" + std::string(row.text) + "\"";
+        case ParameterType::vector:
+            return triple();
+        case ParameterType::boolean:
+            return row.value[0] != 0 ? "true" : "false";
+        case ParameterType::choice:
+            return "\"" + std::string(rigfile::split_choices(row.choices).at(static_cast<std::size_t>(row.value[0]))) +
+                   "\"";
+        case ParameterType::text:
+            return "\"" + std::string(row.text) + "\"";
         case ParameterType::text_list:
-        case ParameterType::number_list: return "[]";
-        default: return number(row.value[0]);
+        case ParameterType::number_list:
+            return "[]";
+        default:
+            return number(row.value[0]);
     }
 }
 
 std::string table(std::span<const Parameter> rows) {
     std::string out = "| key | takes | default | meaning |\n| --- | --- | --- | --- |\n";
     for (const Parameter& row : rows)
-        out += "| `" + std::string(row.name) + "` | " + takes(row) + " | " + default_of(row) + " | " + std::string(row.help) + " |\n";
+        out += "| `" + std::string(row.name) + "` | " + takes(row) + " | " + default_of(row) + " | " +
+               std::string(row.help) + " |\n";
     return out;
 }
 
 bool in_all_types(const Parameter& row) {
     return std::all_of(light_types().begin(), light_types().end(), [&](const LightType& type) {
-        return std::any_of(type.parameters.begin(), type.parameters.end(), [&](const Parameter& p) { return p.name == row.name && p.help == row.help; });
+        return std::any_of(type.parameters.begin(), type.parameters.end(),
+                           [&](const Parameter& p) { return p.name == row.name && p.help == row.help; });
     });
 }
 
@@ -103,11 +129,13 @@ std::string generated(const std::string& name) {
     std::string out;
     if (name == "lights")
         for (const LightType& type : light_types())
-            out += (out.empty() ? "" : "\n") + ("### " + std::string(type.name)) + "\n\n" + std::string(type.help) + "\n\n" + table(rows_of(type, false));
+            out += (out.empty() ? "" : "\n") + ("### " + std::string(type.name)) + "\n\n" + std::string(type.help) +
+                   "\n\n" + table(rows_of(type, false));
     return out;
 }
 
-const std::string kNames[] = {"rig", "gbuffer", "channel_rule", "camera", "light_keys", "light_common", "lights", "shader_keys", "channel_ref", "output"};
+const std::string kNames[] = {"rig",          "gbuffer", "channel_rule", "camera",      "light_keys",
+                              "light_common", "lights",  "shader_keys",  "channel_ref", "output"};
 
 TEST(RigManual, ItsTablesAreTheTables) {
     std::string manual = read(kManual);
@@ -120,7 +148,9 @@ TEST(RigManual, ItsTablesAreTheTables) {
         ASSERT_NE(last, std::string::npos) << start;
         const std::string wanted = generated(name);
         if (std::getenv("RELUME_WRITE_DOCS") != nullptr) manual.replace(first, last - first, wanted);
-        else EXPECT_EQ(manual.substr(first, last - first), wanted) << "docs/rig.md: table " << name << " is not up to date; run this test with RELUME_WRITE_DOCS=1";
+        else
+            EXPECT_EQ(manual.substr(first, last - first), wanted)
+                << "docs/rig.md: table " << name << " is not up to date; run this test with RELUME_WRITE_DOCS=1";
     }
     if (std::getenv("RELUME_WRITE_DOCS") != nullptr) std::ofstream(kManual, std::ios::binary) << manual;
 }
@@ -140,11 +170,14 @@ TEST(RigManual, ItsExamplesLoad) {
 TEST(RigManual, ItNamesEveryShadingModelAndSemanticChannel) {
     const std::string manual = read(kManual);
     for (std::size_t id = 0; id < shading_model_names().size(); ++id)
-        EXPECT_NE(manual.find(std::to_string(id) + " `" + std::string(shading_model_names()[id]) + "`"), std::string::npos) << id;
+        EXPECT_NE(manual.find(std::to_string(id) + " `" + std::string(shading_model_names()[id]) + "`"),
+                  std::string::npos)
+            << id;
     for (const auto& semantic : gbuffer::semantic_names())
         EXPECT_NE(manual.find("`" + std::string(semantic.name) + "`"), std::string::npos) << semantic.name;
     EXPECT_NE(manual.find("`cryptomatte`"), std::string::npos);
-    for (const BuiltinRig& rig : builtin_rigs()) EXPECT_NE(manual.find("`" + std::string(rig.name) + "`"), std::string::npos);
+    for (const BuiltinRig& rig : builtin_rigs())
+        EXPECT_NE(manual.find("`" + std::string(rig.name) + "`"), std::string::npos);
 }
 
 }  // namespace

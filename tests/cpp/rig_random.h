@@ -22,10 +22,14 @@ public:
 
     double number(const Parameter& row) {
         switch (below(6)) {
-            case 0: return std::isfinite(row.min) ? row.min : -1e300;
-            case 1: return std::isfinite(row.max) ? row.max : 1e300;
-            case 2: return clamped(row, 3);
-            case 3: return clamped(row, std::ldexp(1.0, -1074));
+            case 0:
+                return std::isfinite(row.min) ? row.min : -1e300;
+            case 1:
+                return std::isfinite(row.max) ? row.max : 1e300;
+            case 2:
+                return clamped(row, 3);
+            case 3:
+                return clamped(row, std::ldexp(1.0, -1074));
             default: {
                 const double u = std::uniform_real_distribution<double>(0, 1)(engine_);
                 return clamped(row, row.soft_min + u * (row.soft_max - row.soft_min));
@@ -34,7 +38,8 @@ public:
     }
 
     std::string text() {
-        static const std::string pieces[] = {"a", "Key", "9", ".", " ", "\"", "\\", "'", "\n", "\t", "\x01", "\x7f", "é", "равнина", "#", "=", "]", "{", "*", "/"};
+        static const std::string pieces[] = {"a",    "Key",  "9", ".",       " ", "\"", "\\", "'", "\n", "\t",
+                                             "\x01", "\x7f", "é", "равнина", "#", "=",  "]",  "{", "*",  "/"};
         std::string out = coin(0.7) ? "x" : "-";
         for (int k = below(6); k > 0; --k) out += pieces[below(std::size(pieces))];
         return out;
@@ -48,15 +53,21 @@ public:
 
     Value value(const Parameter& row) {
         switch (row.type) {
-            case ParameterType::scalar: return number(row);
-            case ParameterType::integer: return static_cast<std::int64_t>(std::floor(clamped(row, below(9))));
+            case ParameterType::scalar:
+                return number(row);
+            case ParameterType::integer:
+                return static_cast<std::int64_t>(std::floor(clamped(row, below(9))));
             case ParameterType::color:
                 if (coin(0.3)) return number(row);
                 [[fallthrough]];
-            case ParameterType::vector: return std::array<double, 3>{number(row), number(row), number(row)};
-            case ParameterType::boolean: return coin();
-            case ParameterType::choice: return choice(row.choices);
-            case ParameterType::text: return text();
+            case ParameterType::vector:
+                return std::array<double, 3>{number(row), number(row), number(row)};
+            case ParameterType::boolean:
+                return coin();
+            case ParameterType::choice:
+                return choice(row.choices);
+            case ParameterType::text:
+                return text();
             case ParameterType::text_list: {
                 std::vector<std::string> list;
                 for (int k = below(4); k > 0; --k) list.push_back(text());
@@ -132,21 +143,33 @@ public:
         if (coin(0.3)) out.gbuffer.alpha = coin() ? AlphaMode::premultiplied : AlphaMode::straight;
         if (coin(0.3)) out.gbuffer.working_space = text();
         const auto names = channel_names();
-        for (int k = below(4); k > 0; --k) out.gbuffer.channels[std::string(names[static_cast<std::size_t>(below(static_cast<int>(names.size())))])] = rule();
-        if (coin()) out.gbuffer.camera_matrix = {1, 0, 0, number({}), 0, 2, 0, number({}), 0, 0, -3, number({}), 0, 0, 0, 1};
+        for (int k = below(4); k > 0; --k)
+            out.gbuffer.channels[std::string(names[static_cast<std::size_t>(below(static_cast<int>(names.size())))])] =
+                rule();
+        if (coin())
+            out.gbuffer.camera_matrix = {1, 0, 0, number({}), 0, 2, 0, number({}), 0, 0, -3, number({}), 0, 0, 0, 1};
         switch (below(3)) {
-            case 0: out.gbuffer.fov = 39.6; break;
-            case 1: out.gbuffer.focal_length = 50; out.gbuffer.horizontal_aperture = 36.1; break;
-            default: break;
+            case 0:
+                out.gbuffer.fov = 39.6;
+                break;
+            case 1:
+                out.gbuffer.focal_length = 50;
+                out.gbuffer.horizontal_aperture = 36.1;
+                break;
+            default:
+                break;
         }
         if (coin(0.3)) out.gbuffer.projection = coin() ? Projection::perspective : Projection::orthographic;
         if (coin(0.3)) out.gbuffer.width = 7.25;
         const auto types = light_types();
         for (int k = below(5); k > 0; --k)
-            out.lights.push_back(light(types[static_cast<std::size_t>(below(static_cast<int>(types.size())))], text() + std::to_string(k)));
+            out.lights.push_back(light(types[static_cast<std::size_t>(below(static_cast<int>(types.size())))],
+                                       text() + std::to_string(k)));
         const auto models = shaders();
         for (int k = below(4); k > 0; --k)
-            out.shaders.push_back(coin(0.1) ? shader(kFromMaterialExpression) : shader(models[static_cast<std::size_t>(below(static_cast<int>(models.size())))].name));
+            out.shaders.push_back(
+                coin(0.1) ? shader(kFromMaterialExpression)
+                          : shader(models[static_cast<std::size_t>(below(static_cast<int>(models.size())))].name));
         for (const Parameter& row : output_parameters())
             if (coin()) out.output.values.set(output_parameters(), row.name, value(row), "[output]");
         return out;

@@ -49,7 +49,8 @@ TEST(RigRoundTrip, NumbersKeepEveryBit) {
         if (!std::isfinite(number)) continue;
         const Rig back = Rig::loads("[[light]]\ntype = 'sun'\nexposure = " + rigfile::number_text(number));
         const double read = std::get<double>(*back.lights[0].values.find("exposure"));
-        ASSERT_EQ(std::bit_cast<std::uint64_t>(read), std::bit_cast<std::uint64_t>(number)) << rigfile::number_text(number);
+        ASSERT_EQ(std::bit_cast<std::uint64_t>(read), std::bit_cast<std::uint64_t>(number))
+            << rigfile::number_text(number);
     }
 }
 

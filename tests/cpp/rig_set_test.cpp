@@ -78,7 +78,8 @@ TEST(RigSet, OtherSections) {
     EXPECT_EQ(set_and_get("output.aovs", "diffuse"), "[\"diffuse\"]");
     EXPECT_EQ(set_and_get("output.aovs", "[]"), "[]");
     EXPECT_EQ(set_and_get("shader.0.roughness", "0.4"), "0.4");
-    EXPECT_EQ(set_and_get("shader.0.roughness", "{ channel = \"coat.X\", scale = 2 }"), "{ channel = \"coat.X\", scale = 2.0, offset = 0.0 }");
+    EXPECT_EQ(set_and_get("shader.0.roughness", "{ channel = \"coat.X\", scale = 2 }"),
+              "{ channel = \"coat.X\", scale = 2.0, offset = 0.0 }");
     EXPECT_EQ(set_and_get("shader.0.object_id", "7"), "[7]");
     EXPECT_EQ(set_and_get("shader.0.object_id", "[7, 8]"), "[7, 8]");
     EXPECT_EQ(set_and_get("shader.0.use", "lambert"), "\"lambert\"");
@@ -129,15 +130,19 @@ TEST(RigSet, TheDefaultShaderCanBeGivenParameters) {
 TEST(RigSet, MistakesNameTheNearest) {
     EXPECT_EQ(refusal("light.key.exposur", "1"), "unknown key 'exposur' in light 'key'; did you mean 'exposure'?");
     EXPECT_EQ(refusal("light.kei.exposure", "1"), "the rig has no light 'kei'; did you mean 'key'?");
-    EXPECT_EQ(refusal("lights.key.exposure", "1"), "unknown section 'lights' in 'lights.key.exposure'; did you mean 'light'?");
+    EXPECT_EQ(refusal("lights.key.exposure", "1"),
+              "unknown section 'lights' in 'lights.key.exposure'; did you mean 'light'?");
     EXPECT_EQ(refusal("output.typ", "half"), "unknown key 'typ' in [output]; did you mean 'type'?");
     EXPECT_EQ(refusal("output.type", "haf"), "[output]: type has no choice 'haf'; did you mean 'half'?");
     EXPECT_EQ(refusal("camera.fow", "39"), "unknown key 'fow' in [camera]; did you mean 'fov'?");
     EXPECT_EQ(refusal("camera.fov", "180"), "[camera]: fov is 180; it must be within 0.001 … 179.999 degrees");
     EXPECT_EQ(refusal("gbuffer.parts", "x"), "unknown key 'parts' in [gbuffer]; did you mean 'part'?");
-    EXPECT_EQ(refusal("gbuffer.channels.normall", "N"), "unknown channel 'normall' in [gbuffer.channels]; did you mean 'normal'?");
-    EXPECT_EQ(refusal("gbuffer.channels.normal.encodin", "0..1"), "unknown key 'encodin' in channel 'normal'; did you mean 'encoding'?");
-    EXPECT_EQ(refusal("gbuffer.channels.normal.encoding", "0.1"), "channel 'normal': encoding has no choice '0.1'; did you mean '0..1'?");
+    EXPECT_EQ(refusal("gbuffer.channels.normall", "N"),
+              "unknown channel 'normall' in [gbuffer.channels]; did you mean 'normal'?");
+    EXPECT_EQ(refusal("gbuffer.channels.normal.encodin", "0..1"),
+              "unknown key 'encodin' in channel 'normal'; did you mean 'encoding'?");
+    EXPECT_EQ(refusal("gbuffer.channels.normal.encoding", "0.1"),
+              "channel 'normal': encoding has no choice '0.1'; did you mean '0..1'?");
     EXPECT_EQ(refusal("shader.1.roughness", "0.4"), "the rig has no shader '1'; its one shader is shader.0");
     EXPECT_EQ(refusal("shader.0.use", "blin_phongg").substr(0, 29), "unknown shader 'blin_phongg';");
     EXPECT_EQ(refusal("light.key.name", "a.b"), "the rig has a light 'a.b' already");
@@ -151,13 +156,17 @@ TEST(RigSet, MistakesOfForm) {
     EXPECT_EQ(refusal("version", "1"), "'version' cannot be set; it belongs to the file");
     for (const char* value : {"\xff", "caf\xe9", "\xc0\x80", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\xe2\x82"})
         EXPECT_EQ(refusal("gbuffer.part", value), "the value is not UTF-8; a rig holds nothing else");
-    EXPECT_EQ(set_and_get("gbuffer.part", "caf\u00e9 \u0436 \u20ac \U0001F600"), "\"caf\u00e9 \u0436 \u20ac \U0001F600\"");
+    EXPECT_EQ(set_and_get("gbuffer.part", "caf\u00e9 \u0436 \u20ac \U0001F600"),
+              "\"caf\u00e9 \u0436 \u20ac \U0001F600\"");
     EXPECT_LT(refusal("shader.0.roughness", std::string(100000, 'x')).size(), 300u);
-    EXPECT_EQ(refusal("a\nb", "[\"x\"]"), "unknown section 'a\\nb' in 'a\\nb'; there are gbuffer, camera, light, shader, output");
-    for (const char* path : {"", ".", "light.", ".light", "light..exposure", "light.\"key.exposure", "light.\"key\"x.exposure", "light.key.exposure.more", "gbuffer.channels",
-                             "gbuffer.channels.normal.encoding.x"})
+    EXPECT_EQ(refusal("a\nb", "[\"x\"]"),
+              "unknown section 'a\\nb' in 'a\\nb'; there are gbuffer, camera, light, shader, output");
+    for (const char* path :
+         {"", ".", "light.", ".light", "light..exposure", "light.\"key.exposure", "light.\"key\"x.exposure",
+          "light.key.exposure.more", "gbuffer.channels", "gbuffer.channels.normal.encoding.x"})
         EXPECT_NE(refusal(path, "1"), "accepted") << path;
-    for (const char* value : {"", "[1, 2", "{", "bright", "\"1\"", "[1, 2, 3]", "1979-05-27", "nan", "inf", "1\nexposure = 2", "{ channel = \"x\" }", "1 2"})
+    for (const char* value : {"", "[1, 2", "{", "bright", "\"1\"", "[1, 2, 3]", "1979-05-27", "nan", "inf",
+                              "1\nexposure = 2", "{ channel = \"x\" }", "1 2"})
         EXPECT_NE(refusal("light.key.exposure", value), "accepted") << value;
     EXPECT_NE(refusal("light.key.direction", "1"), "accepted");
     EXPECT_NE(refusal("light.key.name", ""), "accepted");

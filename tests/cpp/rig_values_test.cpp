@@ -77,19 +77,23 @@ TEST(ParameterValues, EachTypeIsKeptInOneForm) {
 
 TEST(ParameterValues, RefusalsSayWhatIsTaken) {
     EXPECT_EQ(refusal("exposur", 1.0), "unknown key 'exposur' in light 'key'; did you mean 'exposure'?");
-    EXPECT_EQ(refusal("exposure", std::string("bright")), "light 'key': exposure takes a number, not the string 'bright'");
+    EXPECT_EQ(refusal("exposure", std::string("bright")),
+              "light 'key': exposure takes a number, not the string 'bright'");
     EXPECT_EQ(refusal("exposure", true), "light 'key': exposure takes a number, not true");
     EXPECT_EQ(refusal("exposure", 11.0), "light 'key': exposure is 11; it must be within -10 … 10 stops");
     EXPECT_EQ(refusal("exposure", std::nan("")), "light 'key': exposure is nan; it must be finite");
     EXPECT_EQ(refusal("tint", HUGE_VAL), "light 'key': tint is inf; it must be finite");
     EXPECT_EQ(refusal("tint", Triple{1, -1, 1}), "light 'key': tint is -1; it must be at least 0");
-    EXPECT_EQ(refusal("tint", std::vector<double>{1, 2}), "light 'key': tint takes a number or 3 numbers [r, g, b], not a list of 2 numbers");
+    EXPECT_EQ(refusal("tint", std::vector<double>{1, 2}),
+              "light 'key': tint takes a number or 3 numbers [r, g, b], not a list of 2 numbers");
     EXPECT_EQ(refusal("axis", 1.0), "light 'key': axis takes 3 numbers [x, y, z], not the number 1");
     EXPECT_EQ(refusal("count", 1.5), "light 'key': count takes a whole number, not the number 1.5");
     EXPECT_EQ(refusal("on", std::int64_t{1}), "light 'key': on takes true or false, not the number 1");
     EXPECT_EQ(refusal("mode", std::string("ad")), "light 'key': mode has no choice 'ad'; did you mean 'add'?");
-    EXPECT_EQ(refusal("mode", std::string("multiply")), "light 'key': mode has no choice 'multiply'; there are replace, add");
-    EXPECT_EQ(refusal("falloff", std::vector<double>{1, 2}), "light 'key': falloff takes a list of 3 numbers, not a list of 2 numbers");
+    EXPECT_EQ(refusal("mode", std::string("multiply")),
+              "light 'key': mode has no choice 'multiply'; there are replace, add");
+    EXPECT_EQ(refusal("falloff", std::vector<double>{1, 2}),
+              "light 'key': falloff takes a list of 3 numbers, not a list of 2 numbers");
     EXPECT_EQ(refusal("numbers", std::vector<double>{1, -2}), "light 'key': numbers is -2; it must be at least 0");
     EXPECT_EQ(refusal("label", std::int64_t{3}), "light 'key': label takes a string, not the number 3");
 }
@@ -113,12 +117,13 @@ TEST(ParameterValues, LongAndHostileWordsStayOnOneShortLine) {
 }
 
 TEST(NearestName, FindsSlipsOfThePen) {
-    constexpr std::string_view names[] = {"exposure", "irradiance", "direction", "ggx", "blinn_phong", "phong", "roughness", "specular_color"};
+    constexpr std::string_view names[] = {"exposure",    "irradiance", "direction", "ggx",
+                                          "blinn_phong", "phong",      "roughness", "specular_color"};
     const auto near = [&](std::string_view word) { return nearest_name(word, names); };
-    EXPECT_EQ(near("exposur"), "exposure");         // left out
-    EXPECT_EQ(near("exposuree"), "exposure");       // put in
-    EXPECT_EQ(near("exqosure"), "exposure");        // replaced
-    EXPECT_EQ(near("epxosure"), "exposure");        // swapped
+    EXPECT_EQ(near("exposur"), "exposure");    // left out
+    EXPECT_EQ(near("exposuree"), "exposure");  // put in
+    EXPECT_EQ(near("exqosure"), "exposure");   // replaced
+    EXPECT_EQ(near("epxosure"), "exposure");   // swapped
     EXPECT_EQ(near("EXPOSURE"), "exposure");
     EXPECT_EQ(near("gxg"), "ggx");
     EXPECT_EQ(near("blin-phong"), "blinn_phong");
@@ -140,7 +145,8 @@ TEST(NearestName, TakesTheNearestAndThenTheFirst) {
 }
 
 TEST(NearestName, AWordIsNearestToItself) {
-    for (const auto table : {output_parameters(), camera_parameters(), gbuffer_parameters(), channel_rule_parameters()}) {
+    for (const auto table :
+         {output_parameters(), camera_parameters(), gbuffer_parameters(), channel_rule_parameters()}) {
         std::vector<std::string_view> names;
         for (const Parameter& p : table) names.push_back(p.name);
         for (const std::string_view name : names) EXPECT_EQ(nearest_name(name, names), name);

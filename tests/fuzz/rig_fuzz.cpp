@@ -47,7 +47,8 @@ void load(const std::string& text) {
     }
 }
 
-/// One key at a time may leave a rig that waits for another: focal_length for its aperture, a point light for a position.
+/// One key at a time may leave a rig that waits for another: focal_length for its aperture, a point light for a
+/// position.
 bool is_complete(const Rig& rig) {
     for (const Light& light : rig.lights)
         if ((light.type == "point" || light.type == "spot") && !light.values.given("position")) return false;
@@ -73,6 +74,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::string text(reinterpret_cast<const char*>(data), size);
     // An include could name any file of the machine.
     if (text.find("include") == std::string::npos) relume::load(text);
-    if (const std::size_t equals = text.find('='); equals < 200) relume::set(text.substr(0, equals), text.substr(equals + 1));
+    if (const std::size_t equals = text.find('='); equals < 200)
+        relume::set(text.substr(0, equals), text.substr(equals + 1));
     return 0;
 }

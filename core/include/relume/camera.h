@@ -8,8 +8,8 @@ namespace relume {
 
 enum class Projection : std::uint8_t { perspective, orthographic };
 
-/// A pinhole or orthographic camera over absolute pixel coordinates, so that crops, overscan, lens shift and pixel aspect
-/// need no further words. In camera space +X is right, +Y up, and the camera looks down −Z.
+/// A pinhole or orthographic camera over absolute pixel coordinates, so that crops, overscan, lens shift and pixel
+/// aspect need no further words. In camera space +X is right, +Y up, and the camera looks down −Z.
 ///
 /// For the pixel in column i and row j (centre (i + ½, j + ½)), with X = (i + ½)·x_scale + x_offset and
 /// Y = (j + ½)·y_scale + y_offset (y_scale < 0: rows run down):

@@ -19,45 +19,35 @@ namespace relume {
 
 /// Linear to sRGB code (IEC 61966-2-1, with the toe of 12.92 below 0.0031308). Negative values go down the toe, so that
 /// srgb_decode() gives them back; above 1 the curve goes on. NaN stays.
-template <class T>
-T srgb_encode(T linear) {
+template <class T> T srgb_encode(T linear) {
     return linear <= T(0.0031308) ? T(12.92) * linear : T(1.055) * std::pow(linear, T(1) / T(2.4)) - T(0.055);
 }
 
-/// sRGB code to linear, the inverse of srgb_encode() (up to the standard's rounding of the toe: 4e-8 where the two meet).
-template <class T>
-T srgb_decode(T code) {
+/// sRGB code to linear, the inverse of srgb_encode() (up to the standard's rounding of the toe: 4e-8 where the two
+/// meet).
+template <class T> T srgb_decode(T code) {
     return code <= T(0.04045) ? code / T(12.92) : std::pow((code + T(0.055)) / T(1.055), T(2.4));
 }
 
 /// x^(1/2.2) and back; negative values are 0.
-template <class T>
-T gamma22_encode(T linear) {
-    return linear > T(0) ? std::pow(linear, T(1) / T(2.2)) : T(0);
-}
-template <class T>
-T gamma22_decode(T code) {
-    return code > T(0) ? std::pow(code, T(2.2)) : T(0);
-}
+template <class T> T gamma22_encode(T linear) { return linear > T(0) ? std::pow(linear, T(1) / T(2.2)) : T(0); }
+template <class T> T gamma22_decode(T code) { return code > T(0) ? std::pow(code, T(2.2)) : T(0); }
 
 /// x/(1 + x): 0…∞ to 0…1 (Reinhard et al. 2002, eq. 3). Negative values and NaN are 0, infinity is 1.
-template <class T>
-T reinhard(T linear) {
+template <class T> T reinhard(T linear) {
     if (!(linear > T(0))) return T(0);
     return T(1) - T(1) / (T(1) + linear);
 }
 
 /// Inverse of reinhard() on 0…1; 1 and more are infinity.
-template <class T>
-T reinhard_inverse(T shown) {
+template <class T> T reinhard_inverse(T shown) {
     if (!(shown > T(0))) return T(0);
     return shown < T(1) ? shown / (T(1) - shown) : std::numeric_limits<T>::infinity();
 }
 
 /// Fit of the ACES film curve, x(2.51x + 0.03)/(x(2.43x + 0.59) + 0.14), clamped to 0…1 (Narkowicz 2016). Reaches 1 at
 /// x = 7.24. Negative values and NaN are 0, infinity is 1.
-template <class T>
-T aces_film(T linear) {
+template <class T> T aces_film(T linear) {
     if (!(linear > T(0))) return T(0);
     const T x = std::min(linear, T(1e6));  // far above 1, and x² stays finite
     return std::min(x * (T(2.51) * x + T(0.03)) / (x * (T(2.43) * x + T(0.59)) + T(0.14)), T(1));
@@ -66,8 +56,8 @@ T aces_film(T linear) {
 /// Changes the colours of a picture in place: `change` is given them a row at a time, R, G, B interleaved and not
 /// multiplied by alpha, and leaves the new ones there. `planes`: R, G, B, and A if there is one, half or float32,
 /// interleaved or planar by their strides, `width` × `height`. `in` says whether the colours come multiplied by alpha,
-/// `out` whether they leave so. Where alpha is 0 (or NaN) the colour is light without a surface, a glow: it is handed over
-/// and stored as it is. Alpha itself is left alone. Errors: value (not 3 or 4 planes, a plane without pixels or of
+/// `out` whether they leave so. Where alpha is 0 (or NaN) the colour is light without a surface, a glow: it is handed
+/// over and stored as it is. Alpha itself is left alone. Errors: value (not 3 or 4 planes, a plane without pixels or of
 /// integers).
 RELUME_API void change_colors(std::span<const Plane> planes, int width, int height, AlphaMode in, AlphaMode out,
                               const std::function<void(std::span<float>)>& change);

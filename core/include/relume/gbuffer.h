@@ -17,9 +17,9 @@
 
 namespace relume {
 
-enum class Encoding : std::uint8_t { as_is, zero_to_one };     ///< vectors stored as (v + 1)/2 are zero_to_one
+enum class Encoding : std::uint8_t { as_is, zero_to_one };  ///< vectors stored as (v + 1)/2 are zero_to_one
 enum class Space : std::uint8_t { world, camera };
-enum class DepthKind : std::uint8_t { planar, ray };           ///< along the view axis, or along the pixel's ray
+enum class DepthKind : std::uint8_t { planar, ray };  ///< along the view axis, or along the pixel's ray
 enum class AlphaMode : std::uint8_t { premultiplied, straight };
 
 /// How one semantic channel is stored. What is absent is detected, with a reason that `inspect` prints.
@@ -28,21 +28,22 @@ struct ChannelRule {
     std::optional<std::string> part;
     std::optional<Encoding> encoding;
     std::optional<Space> space;
-    std::optional<std::string> flip;     ///< axes to negate: "x", "y", "xy", …
+    std::optional<std::string> flip;  ///< axes to negate: "x", "y", "xy", …
     std::optional<DepthKind> kind;
-    std::optional<double> near;          ///< normalised depth d means near + d·(far − near)
+    std::optional<double> near;  ///< normalised depth d means near + d·(far − near)
     std::optional<double> far;
-    std::optional<bool> invert;          ///< glossiness: roughness = 1 − value
-    std::optional<bool> premultiplied;   ///< averaged over the pixel together with the background's 0: divide by coverage
+    std::optional<bool> invert;  ///< glossiness: roughness = 1 − value
+    std::optional<bool>
+        premultiplied;  ///< averaged over the pixel together with the background's 0: divide by coverage
     bool operator==(const ChannelRule&) const = default;
 };
 
 /// Everything that detection may be told: the rig's [gbuffer] and [camera] sections, Python arguments and flags.
 struct GBufferOptions {
-    std::optional<std::string> part;           ///< layer or part to take
-    std::optional<std::string> view;           ///< "left", …
+    std::optional<std::string> part;  ///< layer or part to take
+    std::optional<std::string> view;  ///< "left", …
     std::optional<AlphaMode> alpha;
-    std::optional<std::string> working_space;  ///< OCIO or interop name, e.g. "lin_rec709", "lin_ap1"
+    std::optional<std::string> working_space;     ///< OCIO or interop name, e.g. "lin_rec709", "lin_ap1"
     std::map<std::string, ChannelRule> channels;  ///< by semantic name
 
     std::optional<std::array<double, 16>> camera_matrix;  ///< row-major camera-to-world
@@ -50,7 +51,7 @@ struct GBufferOptions {
     std::optional<double> focal_length;                   ///< with horizontal_aperture, same unit
     std::optional<double> horizontal_aperture;
     std::optional<Projection> projection;
-    std::optional<double> width;                          ///< orthographic: world units across the display window
+    std::optional<double> width;  ///< orthographic: world units across the display window
 
     std::int64_t max_pixels = std::int64_t{1} << 30;
     bool operator==(const GBufferOptions&) const = default;
@@ -58,7 +59,7 @@ struct GBufferOptions {
 
 /// What was understood of one semantic channel.
 struct ChannelInfo {
-    std::string name;                  ///< semantic: "normal", "base_color", or any shader parameter's name
+    std::string name;  ///< semantic: "normal", "base_color", or any shader parameter's name
     int components = 1;
     std::vector<std::string> sources;  ///< the file's channels, e.g. {"ViewLayer.Normal.X", …}
     std::string file;                  ///< the file they stand in
@@ -86,9 +87,9 @@ struct Metadata;
 struct ChannelRequest {
     enum class Kind : std::uint8_t {
         semantic,  ///< `name` is a semantic name: decoded, in world and working space, divided by coverage
-        raw,       ///< `name` is a channel or layer of the file: value·scale + offset, divided by coverage where averaged
-        id,        ///< `name` is an ID's semantic name: std::uint32_t, fractions rounded
-        matte,     ///< Σ coverage of the Cryptomatte names that match one of `patterns` (globs)
+        raw,    ///< `name` is a channel or layer of the file: value·scale + offset, divided by coverage where averaged
+        id,     ///< `name` is an ID's semantic name: std::uint32_t, fractions rounded
+        matte,  ///< Σ coverage of the Cryptomatte names that match one of `patterns` (globs)
     };
     Kind kind = Kind::semantic;
     std::string name;
@@ -98,8 +99,8 @@ struct ChannelRequest {
     double offset = 0;
 };
 
-/// An understood G-buffer: where each semantic channel lies and how to bring it to one canonical form. Holds no pixels of
-/// its own: files are read band by band, arrays stay where they are (and must outlive the object).
+/// An understood G-buffer: where each semantic channel lies and how to bring it to one canonical form. Holds no pixels
+/// of its own: files are read band by band, arrays stay where they are (and must outlive the object).
 class RELUME_API GBuffer {
 public:
     /// Reads headers alone (and a sparse sample of pixels where detection needs it). `path` may be a multilayer or

@@ -15,7 +15,8 @@ namespace relume {
 
 /// Which OpenColorIO transform. Names that are empty take the config's defaults.
 struct OcioChoice {
-    std::string config;   ///< a config's file (.ocio or .ocioz), "ocio://…" for a built-in one of OpenColorIO ≥ 2.2; "": $OCIO
+    std::string
+        config;  ///< a config's file (.ocio or .ocioz), "ocio://…" for a built-in one of OpenColorIO ≥ 2.2; "": $OCIO
     std::string display;  ///< "": the config's default
     std::string view;     ///< "": the display's default
     std::string space;    ///< what the colours are in: a colour space, role or alias; "": the role scene_linear
@@ -34,8 +35,8 @@ std::vector<OcioDisplay> ocio_displays(const std::string& config = {});
 /// A transform of an OpenColorIO config, ready to run on the CPU. Copies share it; all members are thread-safe.
 class OcioTransform {
 public:
-    /// Scene-linear to what the display is sent. Errors: file (as above), parameter (no such display, view, space or look:
-    /// with the nearest name), value (the config cannot make the transform: OpenColorIO's reason).
+    /// Scene-linear to what the display is sent. Errors: file (as above), parameter (no such display, view, space or
+    /// look: with the nearest name), value (the config cannot make the transform: OpenColorIO's reason).
     static OcioTransform display(const OcioChoice& choice = {});
 
     /// From one colour space to another, each by name, role, alias, or a working space's name that the config knows by

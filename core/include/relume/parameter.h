@@ -12,15 +12,15 @@ namespace relume {
 /// What a parameter holds. Shaders, lights and every section of the rig are described with the same table entries, and
 /// every front end (Python, TOML, command line, OIIO, OFX, Blender, manual) is generated from them.
 enum class ParameterType : std::uint8_t {
-    scalar,      ///< one number
-    color,       ///< scene-linear RGB; one number stands for grey
-    vector,      ///< three numbers: a position or a direction, never colour-converted
-    boolean,     ///< true or false
-    integer,     ///< whole number
-    choice,      ///< one of `choices`
-    text,        ///< a string
-    text_list,   ///< strings, e.g. Cryptomatte patterns; one string stands for a list of one
-    number_list, ///< numbers, e.g. the attenuation coefficients; `count` of them (0: any number)
+    scalar,       ///< one number
+    color,        ///< scene-linear RGB; one number stands for grey
+    vector,       ///< three numbers: a position or a direction, never colour-converted
+    boolean,      ///< true or false
+    integer,      ///< whole number
+    choice,       ///< one of `choices`
+    text,         ///< a string
+    text_list,    ///< strings, e.g. Cryptomatte patterns; one string stands for a list of one
+    number_list,  ///< numbers, e.g. the attenuation coefficients; `count` of them (0: any number)
 };
 
 inline constexpr double kUnbounded = std::numeric_limits<double>::infinity();
@@ -32,22 +32,20 @@ struct Parameter {
     std::array<double, 3> value{};  ///< default; scalars, booleans, integers and choices (index) use [0]
     double min = -kUnbounded;       ///< hard range, inclusive: outside is an error
     double max = kUnbounded;
-    double soft_min = 0;            ///< range of a slider
+    double soft_min = 0;  ///< range of a slider
     double soft_max = 1;
-    std::string_view unit{};        ///< "W/sr", "degrees", "" when dimensionless
-    std::string_view label{};       ///< "Base Color"
-    std::string_view help{};        ///< one or two sentences
-    std::string_view choices{};     ///< '|'-separated names of a choice, in index order
-    std::string_view text{};        ///< default of text, text_list ('|'-separated)
-    int count = 0;                  ///< number_list: required length, 0 for any
-    bool has_default = true;        ///< false: absent unless given (a rig key without a default)
+    std::string_view unit{};     ///< "W/sr", "degrees", "" when dimensionless
+    std::string_view label{};    ///< "Base Color"
+    std::string_view help{};     ///< one or two sentences
+    std::string_view choices{};  ///< '|'-separated names of a choice, in index order
+    std::string_view text{};     ///< default of text, text_list ('|'-separated)
+    int count = 0;               ///< number_list: required length, 0 for any
+    bool has_default = true;     ///< false: absent unless given (a rig key without a default)
     /// Shaders: index of the first float of the parameter in Params<float> (scalar, color, vector), or of the int in
     /// Options (boolean, integer, choice). Other tables: unused.
     int slot = -1;
 
-    constexpr int components() const {
-        return type == ParameterType::color || type == ParameterType::vector ? 3 : 1;
-    }
+    constexpr int components() const { return type == ParameterType::color || type == ParameterType::vector ? 3 : 1; }
 };
 
 }  // namespace relume

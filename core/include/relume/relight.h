@@ -17,16 +17,16 @@
 namespace relume {
 
 struct RelightOptions {
-    int threads = 0;                                ///< 0: as many as the process may use
-    const std::atomic<bool>* cancel = nullptr;      ///< polled every few rows; relight then throws Error(cancelled)
-    std::function<void(double)> progress;           ///< share done, 0…1, from any thread
+    int threads = 0;                            ///< 0: as many as the process may use
+    const std::atomic<bool>* cancel = nullptr;  ///< polled every few rows; relight then throws Error(cancelled)
+    std::function<void(double)> progress;       ///< share done, 0…1, from any thread
 };
 
 /// What happened to the pixels.
 struct RelightReport {
     std::int64_t pixels = 0;
     std::int64_t shaded = 0;
-    std::int64_t background = 0;               ///< passed through
+    std::int64_t background = 0;                    ///< passed through
     std::map<std::string, std::int64_t> nonfinite;  ///< pixels with NaN or infinity, by channel; they are left black
     std::vector<std::string> warnings;
     double seconds = 0;
@@ -44,7 +44,8 @@ RELUME_API std::vector<AovInfo> aovs(const Rig& rig);
 /// Relights into the caller's memory: for each AOV of aovs(rig) that `out` names, one plane per component over the
 /// data window, row 0 at the top, half or float32. Zero lights is an error (rig).
 RELUME_API RelightReport relight(const GBuffer& gbuffer, const Rig& rig,
-                                 const std::map<std::string, std::vector<Plane>>& out, const RelightOptions& options = {});
+                                 const std::map<std::string, std::vector<Plane>>& out,
+                                 const RelightOptions& options = {});
 
 /// Relights into an EXR, in bands: the whole frame is never in memory. Written to a temporary name, then renamed.
 RELUME_API RelightReport relight_to_file(const GBuffer& gbuffer, const Rig& rig, const std::filesystem::path& path,

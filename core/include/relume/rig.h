@@ -94,11 +94,11 @@ public:
     std::vector<ShaderUse> shaders;
     Output output;
 
-    /// Reads a rig and what it includes. `path` may also be the name of a built-in rig ("outdoor"), where no file has it.
-    /// Names of files in it are relative to the folder of the rig file that they stand in, and become absolute here.
-    /// A light without a name gets its type's ("sun", "sun_2", …).
-    /// Errors: file (missing, a directory, unreadable, over 16 MiB), rig (syntax, unknown or ill-typed key, unknown light
-    /// type, shader or choice: with the nearest name and file:line:column), parameter (a value out of its range).
+    /// Reads a rig and what it includes. `path` may also be the name of a built-in rig ("outdoor"), where no file has
+    /// it. Names of files in it are relative to the folder of the rig file that they stand in, and become absolute
+    /// here. A light without a name gets its type's ("sun", "sun_2", …). Errors: file (missing, a directory,
+    /// unreadable, over 16 MiB), rig (syntax, unknown or ill-typed key, unknown light type, shader or choice: with the
+    /// nearest name and file:line:column), parameter (a value out of its range).
     static Rig load(const std::filesystem::path& path);
     /// The same from text. Names of files stay as written; includes are relative to the current folder.
     static Rig loads(std::string_view toml, std::string_view name = "<rig>");
@@ -109,18 +109,18 @@ public:
     const Light* light(std::string_view name) const;
 
     /// A dotted path as on the command line: set("light.key.exposure", "1"), set("output.type", "float"),
-    /// set("shader.0.roughness", "0.4"), set("camera.fov", "39.6"). The value is parsed as TOML, a bare word is a string.
-    /// Lights go by name or index, shaders by index; a name with dots is quoted: light."a.b".exposure. Sets what is
-    /// optional and absent, but makes no lights; on a rig without shaders, shader.0 is the default, `principled`. One of
-    /// several ways to say the same (power for intensity, focal_length for fov) replaces the other.
-    /// Throws Error(parameter) with the nearest name, and leaves the rig as it was.
+    /// set("shader.0.roughness", "0.4"), set("camera.fov", "39.6"). The value is parsed as TOML, a bare word is a
+    /// string. Lights go by name or index, shaders by index; a name with dots is quoted: light."a.b".exposure. Sets
+    /// what is optional and absent, but makes no lights; on a rig without shaders, shader.0 is the default,
+    /// `principled`. One of several ways to say the same (power for intensity, focal_length for fov) replaces the
+    /// other. Throws Error(parameter) with the nearest name, and leaves the rig as it was.
     void set(std::string_view dotted, std::string_view value);
     /// The value at a dotted path, as TOML text; the default where it was not given. Throws Error(parameter) when there
     /// is neither.
     std::string get(std::string_view dotted) const;
 
-    /// A rig file that loads to an equal rig, if this one is complete: set() may leave focal_length without its aperture or
-    /// a point light without a position, which load() refuses. Includes are merged into it.
+    /// A rig file that loads to an equal rig, if this one is complete: set() may leave focal_length without its
+    /// aperture or a point light without a position, which load() refuses. Includes are merged into it.
     std::string to_toml() const;
 
     /// Same contents; `path` is not compared.
@@ -141,12 +141,13 @@ RELUME_API std::span<const Parameter> output_parameters();        ///< [output]
 RELUME_API std::span<const std::string_view> shading_model_names();
 inline constexpr std::string_view kFromMaterialExpression = "from_material_expression";
 
-/// The parameters that a [[shader]] with this `use` takes: the shader's, or for from_material_expression those that mean
-/// the same in every shading model that has them. Throws Error(parameter) with the nearest name for an unknown shader.
+/// The parameters that a [[shader]] with this `use` takes: the shader's, or for from_material_expression those that
+/// mean the same in every shading model that has them. Throws Error(parameter) with the nearest name for an unknown
+/// shader.
 RELUME_API std::span<const Parameter> shader_use_parameters(std::string_view use);
 
-/// Names that [gbuffer.channels] takes: relume's semantic names, "cryptomatte" (a file that holds it), then every parameter
-/// of a shader that a channel can give.
+/// Names that [gbuffer.channels] takes: relume's semantic names, "cryptomatte" (a file that holds it), then every
+/// parameter of a shader that a channel can give.
 RELUME_API std::vector<std::string_view> channel_names();
 
 /// The rigs that relume brings, by name, and their text.

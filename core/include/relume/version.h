@@ -7,7 +7,8 @@
 
 namespace relume {
 
-/// Version of the library that is loaded, "0.1.0": what `relume --version`, the output's metadata and `relume doctor` say.
+/// Version of the library that is loaded, "0.1.0": what `relume --version`, the output's metadata and `relume doctor`
+/// say.
 RELUME_API std::string_view version() noexcept;
 
 /// "OpenEXR 3.5.3 (bundled)" or "OpenEXR 3.1.5 (system)": which OpenEXRCore the library was built with.

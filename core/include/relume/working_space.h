@@ -16,8 +16,8 @@ using ColorMatrix = std::array<double, 9>;
 
 /// A scene-linear RGB space that colours may be in. Colours of lights are in the working space of the G-buffer.
 struct WorkingSpace {
-    std::string_view name;     ///< "lin_rec709": the ASWF Color Interop Forum's name without "_scene"
-    std::string_view label;    ///< "Rec.709"
+    std::string_view name;   ///< "lin_rec709": the ASWF Color Interop Forum's name without "_scene"
+    std::string_view label;  ///< "Rec.709"
     Chromaticities chromaticities;
     std::string_view aliases;  ///< '|'-separated: what OpenColorIO configs and programs call it
 };

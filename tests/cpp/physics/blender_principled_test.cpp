@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// blender_principled, generation 3, against the formulas that a double-precision fit to Blender 3.4's renders confirmed, written
-// here a second time (the tint's weights and the bound on alpha_x come from a fit to 14 of its materials, met to 2e-5), in the textbook's variables (tangents and angles) rather than the shader's.
+// blender_principled, generation 3, against the formulas that a double-precision fit to Blender 3.4's renders
+// confirmed, written here a second time (the tint's weights and the bound on alpha_x come from a fit to 14 of its
+// materials, met to 2e-5), in the textbook's variables (tangents and angles) rather than the shader's.
 
 #include <gtest/gtest.h>
 
@@ -11,8 +12,8 @@ namespace {
 
 struct Blender3 {
     V3 base{0.8, 0.8, 0.8};
-    double metallic = 0, specular = 0.5, specular_tint = 0, roughness = 0.5, anisotropic = 0, sheen = 0, sheen_tint = 0.5, clearcoat = 0,
-           clearcoat_roughness = 0.03;
+    double metallic = 0, specular = 0.5, specular_tint = 0, roughness = 0.5, anisotropic = 0, sheen = 0,
+           sheen_tint = 0.5, clearcoat = 0, clearcoat_roughness = 0.03;
 };
 
 double fresnel_dielectric(double cosine, double eta) {
@@ -45,7 +46,8 @@ Answer expected(const Blender3& m, const V3& v, const V3& l) {
     const double at_normal = fresnel_dielectric(1, ior);
     const double rise = (fresnel_dielectric(lh, ior) - at_normal) / (1 - at_normal);
     const V3 c0 = mix(mix(white, tint, m.specular_tint) * (0.08 * m.specular), m.base, m.metallic);
-    const double aspect = std::sqrt(1 - 0.9 * m.anisotropic), ax = std::min(1., m.roughness * m.roughness / aspect), ay = m.roughness * m.roughness * aspect;
+    const double aspect = std::sqrt(1 - 0.9 * m.anisotropic), ax = std::min(1., m.roughness * m.roughness / aspect),
+                 ay = m.roughness * m.roughness * aspect;
     if (ax * ay > 1e-7) {
         const double bracket = h[0] * h[0] / (ax * ax) + h[1] * h[1] / (ay * ay) + h[2] * h[2];
         const double lobe = masking(v, ax, ay) * masking(l, ax, ay) / (kPi * ax * ay * bracket * bracket * 4 * nv);
@@ -54,7 +56,8 @@ Answer expected(const Blender3& m, const V3& v, const V3& l) {
     const double coat_alpha = m.clearcoat_roughness * m.clearcoat_roughness, a2 = coat_alpha * coat_alpha;
     if (a2 > 1e-7) {
         const double d = coat_alpha >= 1 ? 1 / kPi : (a2 - 1) / (kPi * std::log(a2) * (1 + (a2 - 1) * h[2] * h[2]));
-        const double coat = m.clearcoat / 4 * d * masking(v, 0.25, 0.25) * masking(l, 0.25, 0.25) * fresnel_dielectric(lh, 1.5) / (4 * nv);
+        const double coat = m.clearcoat / 4 * d * masking(v, 0.25, 0.25) * masking(l, 0.25, 0.25) *
+                            fresnel_dielectric(lh, 1.5) / (4 * nv);
         out.specular = out.specular + white * coat;
     }
     return out;
@@ -83,12 +86,19 @@ TEST(BlenderPrincipled, MatchesTheFormulasInDouble) {
         if (trial % 5 == 0) m.sheen = uniform(random), m.sheen_tint = uniform(random);
         if (trial % 6 == 0) m.clearcoat = uniform(random), m.clearcoat_roughness = uniform(random);
         Model model("blender_principled");
-        model.set("base_color", m.base).set("metallic", m.metallic).set("specular", m.specular).set("specular_tint", m.specular_tint);
-        model.set("roughness", m.roughness).set("anisotropic", m.anisotropic).set("sheen", m.sheen).set("sheen_tint", m.sheen_tint);
+        model.set("base_color", m.base)
+            .set("metallic", m.metallic)
+            .set("specular", m.specular)
+            .set("specular_tint", m.specular_tint);
+        model.set("roughness", m.roughness)
+            .set("anisotropic", m.anisotropic)
+            .set("sheen", m.sheen)
+            .set("sheen_tint", m.sheen_tint);
         model.set("clearcoat", m.clearcoat).set("clearcoat_roughness", m.clearcoat_roughness);
         V3 v = random_direction(random), l = random_direction(random);
         if (trial % 3 == 1) {  // near the mirror direction, where the highlight is
-            const V3 near = unit(V3{-v[0], -v[1], v[2]} + (random_direction(random) - V3{0, 0, 0.5}) * (2 * m.roughness * m.roughness));
+            const V3 near = unit(V3{-v[0], -v[1], v[2]} +
+                                 (random_direction(random) - V3{0, 0, 0.5}) * (2 * m.roughness * m.roughness));
             if (near[2] > 1e-3) l = near;
         }
         if (v[2] < 1e-3) continue;  // denominators are bounded there

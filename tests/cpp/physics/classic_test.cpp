@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The classic models, normalised and plain, and the microfacet kit against their textbook formulas, written here a second time with
-// angles and tangents.
+// The classic models, normalised and plain, and the microfacet kit against their textbook formulas, written here a
+// second time with angles and tangents.
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,8 @@ struct Pair {
 constexpr V3 kBase{0.2, 0.5, 0.9}, kSpecular{0.7, 0.4, 0.1};
 
 void expect_near(const V3& got, const V3& want, double relative, const std::string& what) {
-    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(got[k], want[k], relative * std::max(1e-3, std::fabs(want[k]))) << what;
+    for (std::size_t k = 0; k < 3; ++k)
+        EXPECT_NEAR(got[k], want[k], relative * std::max(1e-3, std::fabs(want[k]))) << what;
 }
 
 Model classic(const char* name, bool normalised) {
@@ -42,7 +43,8 @@ TEST(Classic, Phong) {
     for (int k = 0; k < 2000; ++k) {
         const Pair p(random);
         const double e = k % 2 ? 32 : 300. * k / 2000, cosine = std::pow(std::max(0., dot(p.r, p.v)), e);
-        const Answer normalised = classic("phong", true).set("exponent", e).at(p.v, p.l), plain = classic("phong", false).set("exponent", e).at(p.v, p.l);
+        const Answer normalised = classic("phong", true).set("exponent", e).at(p.v, p.l),
+                     plain = classic("phong", false).set("exponent", e).at(p.v, p.l);
         expect_near(normalised.diffuse, kBase * (p.nl / kPi), 1e-12, "");
         expect_near(plain.diffuse, kBase * p.nl, 1e-12, "");
         if (std::fabs(dot(p.r, p.v)) < 2e-6) continue;  // the power ends there
@@ -59,7 +61,8 @@ TEST(Classic, BlinnPhong) {
         const double exact = (e + 2) * (e + 4) / (8 * kPi * (std::pow(2, -e / 2) + e)), s0 = (e + 8) / (8 * kPi);
         Model model = classic("blinn_phong", true).set("exponent", e);
         expect_near(model.at(p.v, p.l).specular, kSpecular * (exact * cosine * p.nl), 1e-9, "exact");
-        expect_near(model.choose("normalization", "s0").at(p.v, p.l).specular, kSpecular * (s0 * cosine * p.nl), 1e-9, "s0");
+        expect_near(model.choose("normalization", "s0").at(p.v, p.l).specular, kSpecular * (s0 * cosine * p.nl), 1e-9,
+                    "s0");
         const Answer plain = classic("blinn_phong", false).set("exponent", e).at(p.v, p.l);
         expect_near(plain.specular, kSpecular * cosine, 1e-9, "plain");
         expect_near(plain.diffuse, kBase * p.nl, 1e-12, "plain");
@@ -121,27 +124,38 @@ TEST(Classic, CookTorrance) {
         const V3 white{1, 1, 1}, f0 = mix(white * f0_dielectric, kBase, metallic);
         const double e = 2 / a2 - 2;
         const double n = kPi * a2 / (1 + 0.6667 * a2 + 0.2023 * a2 * a2 - 0.0417 * a2 * a2 * a2);
-        const double distributions[] = {std::pow(alpha / (1 + (a2 - 1) * p.nh * p.nh), 2) / kPi, std::exp(-std::pow(std::tan(p.theta_h) / alpha, 2)) / (kPi * a2 * std::pow(p.nh, 4)),
-                                        std::exp(-std::pow(p.theta_h / alpha, 2)) / n, (e + 2) / (2 * kPi) * std::pow(p.nh, e)};
+        const double distributions[] = {
+            std::pow(alpha / (1 + (a2 - 1) * p.nh * p.nh), 2) / kPi,
+            std::exp(-std::pow(std::tan(p.theta_h) / alpha, 2)) / (kPi * a2 * std::pow(p.nh, 4)),
+            std::exp(-std::pow(p.theta_h / alpha, 2)) / n, (e + 2) / (2 * kPi) * std::pow(p.nh, e)};
         const auto schlick_g = [&](double kk) { return p.nl / (p.nl * (1 - kk) + kk) * p.nv / (p.nv * (1 - kk) + kk); };
-        const double sine_t = std::sqrt(1 - p.vh * p.vh) / (2 / (1 - std::sqrt(f0_dielectric)) - 1), ior = 2 / (1 - std::sqrt(f0_dielectric)) - 1, t = std::sqrt(1 - sine_t * sine_t);
+        const double sine_t = std::sqrt(1 - p.vh * p.vh) / (2 / (1 - std::sqrt(f0_dielectric)) - 1),
+                     ior = 2 / (1 - std::sqrt(f0_dielectric)) - 1, t = std::sqrt(1 - sine_t * sine_t);
         const double rs = (p.vh - ior * t) / (p.vh + ior * t), rp = (ior * p.vh - t) / (ior * p.vh + t);
-        const double rises[] = {std::pow(1 - p.vh, 5), 0, ((rs * rs + rp * rp) / 2 - f0_dielectric) / (1 - f0_dielectric)};
+        const double rises[] = {std::pow(1 - p.vh, 5), 0,
+                                ((rs * rs + rp * rp) / 2 - f0_dielectric) / (1 - f0_dielectric)};
         for (int d = 0; d < 4; ++d)
             for (int g = 0; g < 5; ++g)
                 for (int f = 0; f < 3; ++f) {
                     const double lv = smith_lambda(d, alpha, p.nv), ll = smith_lambda(d, alpha, p.nl);
-                    const double maskings[] = {1 / (1 + lv + ll), schlick_g((roughness + 1) * (roughness + 1) / 8), schlick_g(alpha / 2),
-                                               std::min({1., 2 * p.nh * p.nv / p.vh, 2 * p.nh * p.nl / p.vh}), 1 / ((1 + lv) * (1 + ll))};
+                    const double maskings[] = {
+                        1 / (1 + lv + ll), schlick_g((roughness + 1) * (roughness + 1) / 8), schlick_g(alpha / 2),
+                        std::min({1., 2 * p.nh * p.nv / p.vh, 2 * p.nh * p.nl / p.vh}), 1 / ((1 + lv) * (1 + ll))};
                     const V3 fresnel = f0 + (white - f0) * rises[f];
-                    Model model = Model("cook_torrance").set("base_color", kBase).set("metallic", metallic).set("specular", specular).set("roughness", roughness);
+                    Model model = Model("cook_torrance")
+                                      .set("base_color", kBase)
+                                      .set("metallic", metallic)
+                                      .set("specular", specular)
+                                      .set("roughness", roughness);
                     model.set("distribution", d).set("masking", g).set("fresnel", f);
                     const V3 kd = (f == 1 ? white : white - fresnel) * (1 - metallic);
                     const Answer got = model.at(p.v, p.l);
-                    expect_near(got.specular, fresnel * (distributions[d] * maskings[g] / (4 * p.nv)), 1e-8, model.describe());
+                    expect_near(got.specular, fresnel * (distributions[d] * maskings[g] / (4 * p.nv)), 1e-8,
+                                model.describe());
                     expect_near(got.diffuse, kd * kBase * (p.nl / kPi), 1e-8, model.describe());
                     model.set("energy_conserving", 0);
-                    expect_near(model.at(p.v, p.l).diffuse, kd * kBase * ((1 - metallic) * p.nl / kPi), 1e-8, model.describe());
+                    expect_near(model.at(p.v, p.l).diffuse, kd * kBase * ((1 - metallic) * p.nl / kPi), 1e-8,
+                                model.describe());
                     if (HasFailure()) return;
                 }
     }
@@ -151,12 +165,14 @@ TEST(Classic, SssOptionAddsItsPhaseFunction) {
     std::mt19937 random(16);
     for (int k = 0; k < 300; ++k) {
         const Pair p(random);
-        const double g = -0.9 + 1.8 * k / 300, phase = (1 - g * g) / (4 * kPi * std::pow(1 + g * g - 2 * g * dot(p.v, p.l), 1.5));
+        const double g = -0.9 + 1.8 * k / 300,
+                     phase = (1 - g * g) / (4 * kPi * std::pow(1 + g * g - 2 * g * dot(p.v, p.l), 1.5));
         const V3 colour{0.1, 0.4, 0.3};
         for (const auto* name : {"lambert", "cook_torrance"}) {
             Model model = Model(name).set("base_color", kBase);
             const V3 without = model.at(p.v, p.l).total();
-            expect_near(model.set("sss_color", colour).set("sss_anisotropy", g).at(p.v, p.l).total() - without, colour * (phase * p.nl), 1e-9, name);
+            expect_near(model.set("sss_color", colour).set("sss_anisotropy", g).at(p.v, p.l).total() - without,
+                        colour * (phase * p.nl), 1e-9, name);
         }
     }
 }
@@ -165,17 +181,23 @@ TEST(Classic, OrenNayarByItsAngles) {
     std::mt19937 random(17);
     for (int k = 0; k < 3000; ++k) {
         const Pair p(random);
-        // Oren–Nayar 1994, eq. 30: A + B·max(0, cos(φv − φl))·sin α·tan β, α, β the larger and smaller of the two angles.
+        // Oren–Nayar 1994, eq. 30: A + B·max(0, cos(φv − φl))·sin α·tan β, α, β the larger and smaller of the two
+        // angles.
         const double sigma = 1.5 * k / 3000, s2 = sigma * sigma;
-        const double theta_v = std::acos(p.nv), theta_l = std::acos(p.nl), phi = std::atan2(p.v[1], p.v[0]) - std::atan2(p.l[1], p.l[0]);
+        const double theta_v = std::acos(p.nv), theta_l = std::acos(p.nl),
+                     phi = std::atan2(p.v[1], p.v[0]) - std::atan2(p.l[1], p.l[0]);
         const double alpha = std::max(theta_v, theta_l), beta = std::min(theta_v, theta_l);
         const double a = 1 - 0.5 * s2 / (s2 + 0.33), b = 0.45 * s2 / (s2 + 0.09);
         Model model = Model("oren_nayar").set("base_color", kBase).set("sigma", sigma);
-        expect_near(model.at(p.v, p.l).diffuse, kBase * (p.nl / kPi * (a + b * std::max(0., std::cos(phi)) * std::sin(alpha) * std::tan(beta))), 1e-8, "1994");
+        expect_near(model.at(p.v, p.l).diffuse,
+                    kBase * (p.nl / kPi * (a + b * std::max(0., std::cos(phi)) * std::sin(alpha) * std::tan(beta))),
+                    1e-8, "1994");
         // Fujii: s = cos(φv − φl)·sinθv·sinθl, over the larger cosine where positive.
-        const double sigma1 = std::min(sigma, 1.), s = std::cos(phi) * std::sin(theta_v) * std::sin(theta_l), aa = 1 / (kPi + (kPi / 2 - 2. / 3) * sigma1);
+        const double sigma1 = std::min(sigma, 1.), s = std::cos(phi) * std::sin(theta_v) * std::sin(theta_l),
+                     aa = 1 / (kPi + (kPi / 2 - 2. / 3) * sigma1);
         model.choose("form", "fujii");
-        expect_near(model.at(p.v, p.l).diffuse, kBase * (p.nl * aa * (1 + sigma1 * s / (s > 0 ? std::max(p.nl, p.nv) : 1))), 1e-8, "fujii");
+        expect_near(model.at(p.v, p.l).diffuse,
+                    kBase * (p.nl * aa * (1 + sigma1 * s / (s > 0 ? std::max(p.nl, p.nv) : 1))), 1e-8, "fujii");
     }
 }
 
@@ -183,21 +205,29 @@ TEST(DefaultLit, ByItsFormulas) {
     std::mt19937 random(18);
     for (int k = 0; k < 3000; ++k) {
         const Pair p(random);
-        const double roughness = 0.1 + 0.9 * k / 3000, a = roughness * roughness, metallic = 0.5 * (k % 3), specular = k % 5 == 0 ? 0.1 : 0.5;
+        const double roughness = 0.1 + 0.9 * k / 3000, a = roughness * roughness, metallic = 0.5 * (k % 3),
+                     specular = k % 5 == 0 ? 0.1 : 0.5;
         const double anisotropy = k % 2 ? -0.9 + 1.8 * k / 3000 : 0;
         const V3 white{1, 1, 1}, f0 = mix(white * (0.08 * specular), kBase, metallic);
         const double x = std::pow(1 - p.vh, 5);
         const V3 f = white * (std::min(1., 50 * f0[1]) * x) + f0 * (1 - x);
         double lobe;
         if (anisotropy == 0) {
-            lobe = std::pow(a / (1 + (a * a - 1) * p.nh * p.nh), 2) / kPi * 0.5 / (p.nl * (p.nv * (1 - a) + a) + p.nv * (p.nl * (1 - a) + a));
+            lobe = std::pow(a / (1 + (a * a - 1) * p.nh * p.nh), 2) / kPi * 0.5 /
+                   (p.nl * (p.nv * (1 - a) + a) + p.nv * (p.nl * (1 - a) + a));
         } else {
             const double ax = a * (1 + anisotropy), ay = a * (1 - anisotropy);
             const auto length = [&](const V3& d) { return std::hypot(ax * d[0], ay * d[1], d[2]); };
-            lobe = 1 / (kPi * ax * ay * std::pow(std::pow(p.h[0] / ax, 2) + std::pow(p.h[1] / ay, 2) + p.nh * p.nh, 2)) * 0.5 /
-                   (p.nl * length(p.v) + p.nv * length(p.l));
+            lobe = 1 /
+                   (kPi * ax * ay * std::pow(std::pow(p.h[0] / ax, 2) + std::pow(p.h[1] / ay, 2) + p.nh * p.nh, 2)) *
+                   0.5 / (p.nl * length(p.v) + p.nv * length(p.l));
         }
-        const Model model = Model("default_lit").set("base_color", kBase).set("metallic", metallic).set("specular", specular).set("roughness", roughness).set("anisotropy", anisotropy);
+        const Model model = Model("default_lit")
+                                .set("base_color", kBase)
+                                .set("metallic", metallic)
+                                .set("specular", specular)
+                                .set("roughness", roughness)
+                                .set("anisotropy", anisotropy);
         expect_near(model.at(p.v, p.l).diffuse, kBase * ((1 - metallic) * p.nl / kPi), 1e-12, model.describe());
         expect_near(model.at(p.v, p.l).specular, f * (lobe * p.nl), 1e-8, model.describe());
     }
@@ -205,7 +235,8 @@ TEST(DefaultLit, ByItsFormulas) {
 
 TEST(Unlit, ReflectsNothing) {
     std::mt19937 random(19);
-    EXPECT_EQ(Model("unlit").set("emission", 3).at(random_direction(random), random_direction(random)).total(), (V3{0, 0, 0}));
+    EXPECT_EQ(Model("unlit").set("emission", 3).at(random_direction(random), random_direction(random)).total(),
+              (V3{0, 0, 0}));
 }
 
 }  // namespace

@@ -18,8 +18,7 @@ HalfVector<double> half_at(double theta) {
 }
 
 /// ∫D(θ)·cosθ dω over the hemisphere.
-template <class D>
-double projected(D&& distribution, double width) {
+template <class D> double projected(D&& distribution, double width) {
     double sum = 0;
     for (const auto& [theta, w] : sinh_nodes(kPi / 2, width, 96))
         sum += w * 2 * kPi * std::sin(theta) * std::cos(theta) * distribution(half_at(theta));
@@ -30,9 +29,14 @@ TEST(Distributions, IntegrateToOneWithTheCosine) {
     for (const double a : {0.001, 0.01, 0.1, 0.3, 0.5, 0.8, 1.}) {
         EXPECT_NEAR(projected([&](const auto& h) { return ggx_distribution(a * a, h.sin2_h()); }, a), 1, 1e-6) << a;
         EXPECT_NEAR(projected([&](const auto& h) { return beckmann_distribution(1 / (a * a), h); }, a), 1, 1e-5) << a;
-        EXPECT_NEAR(projected([&](const auto& h) { return blinn_phong_distribution(exponent_from_alpha(a), h); }, a), 1, 1e-5) << a;
+        EXPECT_NEAR(projected([&](const auto& h) { return blinn_phong_distribution(exponent_from_alpha(a), h); }, a), 1,
+                    1e-5)
+            << a;
         EXPECT_NEAR(projected([&](const auto& h) { return gtr1(a)(h.sin2_h()); }, a), 1, 1e-5) << a;
-        EXPECT_NEAR(projected([&](const auto& h) { return gaussian_normalisation(a * a) * gaussian_shape(1 / (a * a), h); }, a), 1, 8e-4) << a;
+        EXPECT_NEAR(
+            projected([&](const auto& h) { return gaussian_normalisation(a * a) * gaussian_shape(1 / (a * a), h); }, a),
+            1, 8e-4)
+            << a;
     }
     EXPECT_NEAR(gtr1(1.)(0.3), 1 / kPi, 1e-6);
     EXPECT_NEAR(gtr1(2.)(0.3), 1 / kPi, 1e-6);
@@ -44,7 +48,8 @@ TEST(Distributions, AnisotropicGgxIntegratesToOne) {
         for (const auto& [x, wx] : gauss_legendre(160))
             for (const auto& [theta, w] : sinh_nodes(kPi / 2, std::min(ax, ay), 96)) {
                 const V3 h = direction(theta, x * kPi / 2);
-                sum += 4 * wx * kPi / 2 * w * std::sin(theta) * h[2] * ggx_distribution_anisotropic(ax, ay, h[0], h[1], h[2] * h[2]);
+                sum += 4 * wx * kPi / 2 * w * std::sin(theta) * h[2] *
+                       ggx_distribution_anisotropic(ax, ay, h[0], h[1], h[2] * h[2]);
             }
         EXPECT_NEAR(sum, 1, 1e-5) << ax << ' ' << ay;
     }
@@ -52,8 +57,7 @@ TEST(Distributions, AnisotropicGgxIntegratesToOne) {
 
 /// Λ from its definition (Heitz 2014, eq. 58): the slopes steeper than the direction, seen from it.
 /// Λ = (1/μ)·∫_μ^∞ (s − μ)·P(s) ds, μ = cotθ, P the distribution of slopes along one axis.
-template <class P>
-double lambda_by_definition(P&& slope_density, double cosine) {
+template <class P> double lambda_by_definition(P&& slope_density, double cosine) {
     const double mu = cosine / std::sqrt(1 - cosine * cosine);
     double sum = 0;
     for (const auto& [u, w] : sinh_nodes(1e7, 0.05, 190)) sum += w * u * slope_density(mu + u);
@@ -70,7 +74,8 @@ TEST(Masking, SmithLambdaByItsDefinition) {
             // The separable half: G1/(2x) with G1 = 1/(1 + Λ).
             EXPECT_NEAR(ggx_half_masking(a * a, cosine), 1 / (1 + ggx_lambda(a * a, cosine)) / (2 * cosine), 1e-12);
             // Walter's fit: G1 to 3e-3.
-            EXPECT_NEAR(1 / (1 + beckmann_lambda(a, cosine)), 1 / (1 + lambda_by_definition(beckmann, cosine)), 4e-3) << a << ' ' << cosine;
+            EXPECT_NEAR(1 / (1 + beckmann_lambda(a, cosine)), 1 / (1 + lambda_by_definition(beckmann, cosine)), 4e-3)
+                << a << ' ' << cosine;
         }
 }
 

@@ -16,7 +16,9 @@ std::vector<std::string> names() {
     return out;
 }
 
-V3 tangent_of(std::mt19937& random) { return random() % 4 == 0 ? V3{0, 0, 0} : random_direction(random) - V3{0, 0, 0.3}; }
+V3 tangent_of(std::mt19937& random) {
+    return random() % 4 == 0 ? V3{0, 0, 0} : random_direction(random) - V3{0, 0, 0.3};
+}
 
 TEST_P(EveryShader, IsFiniteAndNotNegative) {
     std::mt19937 random(1);
@@ -26,18 +28,22 @@ TEST_P(EveryShader, IsFiniteAndNotNegative) {
         for (int k = 0; k < 40; ++k) {
             v.push_back(random_direction(random));
             l.push_back(random_direction(random));
-            if (k % 4 == 0) l.back()[2] *= -1;            // from below
-            if (k % 5 == 0) l.back() = unit(V3{-v.back()[0], -v.back()[1], v.back()[2]} + l.back() * 1e-3);  // near the mirror direction
-            if (k % 10 == 0) l.back() = v.back();         // along the view
-            if (k % 20 == 1) l.back() = v.back() * -1;    // against it: h is 0
+            if (k % 4 == 0) l.back()[2] *= -1;  // from below
+            if (k % 5 == 0)
+                l.back() =
+                    unit(V3{-v.back()[0], -v.back()[1], v.back()[2]} + l.back() * 1e-3);  // near the mirror direction
+            if (k % 10 == 0) l.back() = v.back();                                         // along the view
+            if (k % 20 == 1) l.back() = v.back() * -1;                                    // against it: h is 0
             if (k % 20 == 2) v.back() = {0, 0, 1};
         }
         const V3 tangent = tangent_of(random);
-        for (const auto& answers : {model.evaluate<double>({{0, 0, 1}}, v, l, tangent), model.evaluate<float>({{0, 0, 1}}, v, l, tangent)})
+        for (const auto& answers :
+             {model.evaluate<double>({{0, 0, 1}}, v, l, tangent), model.evaluate<float>({{0, 0, 1}}, v, l, tangent)})
             for (std::size_t i = 0; i < answers.size(); ++i)
                 for (const V3& lobe : {answers[i].diffuse, answers[i].specular, answers[i].transmission})
                     for (const double x : lobe)
-                        ASSERT_TRUE(std::isfinite(x) && x >= 0) << x << ' ' << model.describe() << " v.z " << v[i][2] << " l.z " << l[i][2];
+                        ASSERT_TRUE(std::isfinite(x) && x >= 0)
+                            << x << ' ' << model.describe() << " v.z " << v[i][2] << " l.z " << l[i][2];
     }
 }
 
@@ -51,13 +57,15 @@ TEST_P(EveryShader, IsReciprocalWherePromised) {
         if (trial % 2) l = unit(V3{-v[0], -v[1], v[2]} + (random_direction(random) - V3{0, 0, 0.5}) * 0.2);
         if (v[2] < 2e-4 || l[2] < 2e-4) continue;  // nearer to the horizon denominators are bounded
         const V3 tangent = tangent_of(random);
-        const V3 there = model.at(v, l, tangent).total() * (1 / l[2]), back = model.at(l, v, tangent).total() * (1 / v[2]);
+        const V3 there = model.at(v, l, tangent).total() * (1 / l[2]),
+                 back = model.at(l, v, tangent).total() * (1 / v[2]);
         const Reciprocity promise = reciprocity(model);
         if (promise == Reciprocity::unspecified) return;
         never = never || promise == Reciprocity::never;
         for (std::size_t k = 0; k < 3; ++k) {
             const double difference = std::fabs(there[k] - back[k]) / std::max({there[k], back[k], 1e-3});
-            if (promise == Reciprocity::promised) ASSERT_LE(difference, 1e-9) << model.describe() << " v.z " << v[2] << " l.z " << l[2];
+            if (promise == Reciprocity::promised)
+                ASSERT_LE(difference, 1e-9) << model.describe() << " v.z " << v[2] << " l.z " << l[2];
             else most = std::max(most, difference);
         }
     }
@@ -66,9 +74,9 @@ TEST_P(EveryShader, IsReciprocalWherePromised) {
     }
 }
 
-// Float's directions are 1e-7 off, which a highlight of width alpha feels as 1e-7/alpha, a cosine x in a denominator as 1e-7/x, and
-// the length of v + l, seen through 1 + v·l, as 1e-7/(1 + v·l): |float − double| ≤ k·1e-7·(10 + 1/alpha + 1/min(NdotL, NdotV) +
-// 1/(1 + v·l))·max(1, |double|) with k = 32.
+// Float's directions are 1e-7 off, which a highlight of width alpha feels as 1e-7/alpha, a cosine x in a denominator as
+// 1e-7/x, and the length of v + l, seen through 1 + v·l, as 1e-7/(1 + v·l): |float − double| ≤ k·1e-7·(10 + 1/alpha +
+// 1/min(NdotL, NdotV) + 1/(1 + v·l))·max(1, |double|) with k = 32.
 TEST_P(EveryShader, FloatFollowsDouble) {
     std::mt19937 random(3);
     double worst = 0;
@@ -77,22 +85,28 @@ TEST_P(EveryShader, FloatFollowsDouble) {
         Model model = Model(GetParam()).randomize(random);
         for (double& x : model.params()) x = static_cast<double>(static_cast<float>(x));
         V3 v = random_direction(random), l = random_direction(random);
-        if (trial % 2) l = unit(V3{-v[0], -v[1], v[2]} + (random_direction(random) - V3{0, 0, 0.5}) * std::pow(10., -(trial % 8) / 2.));
+        if (trial % 2)
+            l = unit(V3{-v[0], -v[1], v[2]} +
+                     (random_direction(random) - V3{0, 0, 0.5}) * std::pow(10., -(trial % 8) / 2.));
         for (V3* d : {&v, &l})
             for (double& x : *d) x = static_cast<double>(static_cast<float>(x));
         if (l[2] <= 0) continue;
         const V3 tangent{1, 0, 0};
-        const Answer a = model.evaluate<float>({{0, 0, 1}}, {v}, {l}, tangent)[0], b = model.evaluate<double>({{0, 0, 1}}, {v}, {l}, tangent)[0];
+        const Answer a = model.evaluate<float>({{0, 0, 1}}, {v}, {l}, tangent)[0],
+                     b = model.evaluate<double>({{0, 0, 1}}, {v}, {l}, tangent)[0];
         const double alpha = narrowest_width(model);
-        const double unit_bound = 1e-7 * (10 + 1 / alpha + 1 / std::max(1e-4, std::min(v[2], l[2])) + 1 / std::max(1e-8, 1 + dot(v, l)));
+        const double unit_bound =
+            1e-7 * (10 + 1 / alpha + 1 / std::max(1e-4, std::min(v[2], l[2])) + 1 / std::max(1e-8, 1 + dot(v, l)));
         const V3 both[2][3] = {{a.diffuse, a.specular, a.transmission}, {b.diffuse, b.specular, b.transmission}};
         for (std::size_t lobe = 0; lobe < 3; ++lobe)
             for (std::size_t k = 0; k < 3; ++k) {
-                const double error = std::fabs(both[0][lobe][k] - both[1][lobe][k]) / (unit_bound * std::max(1., both[1][lobe][k]));
+                const double error =
+                    std::fabs(both[0][lobe][k] - both[1][lobe][k]) / (unit_bound * std::max(1., both[1][lobe][k]));
                 if (error > worst) {
                     worst = error;
-                    where = model.describe() + " got " + std::to_string(both[0][lobe][k]) + " want " + std::to_string(both[1][lobe][k]) + " v.z " +
-                            std::to_string(v[2]) + " l.z " + std::to_string(l[2]);
+                    where = model.describe() + " got " + std::to_string(both[0][lobe][k]) + " want " +
+                            std::to_string(both[1][lobe][k]) + " v.z " + std::to_string(v[2]) + " l.z " +
+                            std::to_string(l[2]);
                 }
             }
     }
@@ -100,7 +114,8 @@ TEST_P(EveryShader, FloatFollowsDouble) {
     EXPECT_LE(worst, 32) << where;
 }
 
-INSTANTIATE_TEST_SUITE_P(Shaders, EveryShader, ::testing::ValuesIn(names()), [](const auto& test) { return test.param; });
+INSTANTIATE_TEST_SUITE_P(Shaders, EveryShader, ::testing::ValuesIn(names()),
+                         [](const auto& test) { return test.param; });
 
 }  // namespace
 }  // namespace relume::testing

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// principled against Burley's course notes and the public disney.brdf's formulas, written here once more in double precision in the
-// variables of that text; the base color arrives linear.
+// principled against Burley's course notes and the public disney.brdf's formulas, written here once more in double
+// precision in the variables of that text; the base color arrives linear.
 
 #include <gtest/gtest.h>
 
@@ -11,13 +11,20 @@ namespace {
 
 struct Disney {
     V3 base{0.82, 0.67, 0.16};
-    double metallic = 0, subsurface = 0, specular = 0.5, roughness = 0.5, specular_tint = 0, anisotropic = 0, sheen = 0, sheen_tint = 0.5, clearcoat = 0,
-           clearcoat_gloss = 1;
+    double metallic = 0, subsurface = 0, specular = 0.5, roughness = 0.5, specular_tint = 0, anisotropic = 0, sheen = 0,
+           sheen_tint = 0.5, clearcoat = 0, clearcoat_gloss = 1;
 
     Model model() const {
         Model m("principled");
-        m.set("base_color", base).set("metallic", metallic).set("subsurface", subsurface).set("specular", specular).set("roughness", roughness);
-        m.set("specular_tint", specular_tint).set("anisotropic", anisotropic).set("sheen", sheen).set("sheen_tint", sheen_tint);
+        m.set("base_color", base)
+            .set("metallic", metallic)
+            .set("subsurface", subsurface)
+            .set("specular", specular)
+            .set("roughness", roughness);
+        m.set("specular_tint", specular_tint)
+            .set("anisotropic", anisotropic)
+            .set("sheen", sheen)
+            .set("sheen_tint", sheen_tint);
         m.set("clearcoat", clearcoat).set("clearcoat_gloss", clearcoat_gloss);
         return m;
     }
@@ -60,9 +67,11 @@ Answer burley(const Disney& m, const V3& v, const V3& l) {
     const double ss = 1.25 * (fss * (1 / (ndotl + ndotv) - 0.5) + 0.5);
 
     const double aspect = std::sqrt(1 - m.anisotropic * 0.9);
-    const double ax = std::max(.001, m.roughness * m.roughness / aspect), ay = std::max(.001, m.roughness * m.roughness * aspect);
+    const double ax = std::max(.001, m.roughness * m.roughness / aspect),
+                 ay = std::max(.001, m.roughness * m.roughness * aspect);
     const double lobe = gtr2_aniso(h, ax, ay) * smith_ggx_aniso(l, ax, ay) * smith_ggx_aniso(v, ax, ay);
-    const double coat = 0.25 * m.clearcoat * gtr1(h[2], mix(.1, .001, m.clearcoat_gloss)) * mix(.04, 1., fh) * smith_ggx(ndotl, .25) * smith_ggx(ndotv, .25);
+    const double coat = 0.25 * m.clearcoat * gtr1(h[2], mix(.1, .001, m.clearcoat_gloss)) * mix(.04, 1., fh) *
+                        smith_ggx(ndotl, .25) * smith_ggx(ndotv, .25);
 
     Answer out;
     out.diffuse = (m.base * (mix(fd, ss, m.subsurface) / kPi) + sheen * (fh * m.sheen)) * ((1 - m.metallic) * ndotl);
@@ -87,20 +96,26 @@ Answer mitsuba(const Disney& m, const V3& v, const V3& l) {
     Answer out = burley(without_sheen, v, l);
     out.diffuse = out.diffuse + mix(white, tint, m.sheen_tint) * (fh * m.sheen * (1 - m.metallic) * l[2]);
     const double aspect = std::sqrt(1 - m.anisotropic * 0.9);
-    const double ax = std::max(.001, m.roughness * m.roughness / aspect), ay = std::max(.001, m.roughness * m.roughness * aspect);
+    const double ax = std::max(.001, m.roughness * m.roughness / aspect),
+                 ay = std::max(.001, m.roughness * m.roughness * aspect);
     const double lobe = gtr2_aniso(h, ax, ay) * smith_ggx_aniso(l, ax, ay) * smith_ggx_aniso(v, ax, ay) * l[2];
     const double r0 = 0.08 * m.specular, eta = 2 / (1 - std::sqrt(r0)) - 1;
     V3 f = mix(m.base, white, fh) * m.metallic;
-    if (r0 > 0) f = f + white * ((1 - m.metallic) * (1 - m.specular_tint) * fresnel(ldoth, eta)) + mix(tint * r0, white, fh) * ((1 - m.metallic) * m.specular_tint);
+    if (r0 > 0)
+        f = f + white * ((1 - m.metallic) * (1 - m.specular_tint) * fresnel(ldoth, eta)) +
+            mix(tint * r0, white, fh) * ((1 - m.metallic) * m.specular_tint);
     const double g1 = 2 * v[2] * smith_ggx(v[2], .25) * 2 * l[2] * smith_ggx(l[2], .25);
-    const double coat = 0.25 * m.clearcoat * gtr1(h[2], mix(.1, .001, m.clearcoat_gloss)) * mix(.04, 1., fh) * g1 * l[2];
+    const double coat =
+        0.25 * m.clearcoat * gtr1(h[2], mix(.1, .001, m.clearcoat_gloss)) * mix(.04, 1., fh) * g1 * l[2];
     out.specular = f * lobe + white * coat;
     return out;
 }
 
 Disney random_material(std::mt19937& random, int trial) {
     std::uniform_real_distribution<double> uniform(0, 1);
-    const auto sometimes = [&](int every, double otherwise) { return trial % every == 0 ? uniform(random) : otherwise; };
+    const auto sometimes = [&](int every, double otherwise) {
+        return trial % every == 0 ? uniform(random) : otherwise;
+    };
     Disney m;
     m.base = trial % 40 == 0 ? V3{0, 0, 0} : V3{uniform(random), uniform(random), uniform(random)};
     m.metallic = sometimes(2, 0);
@@ -116,13 +131,14 @@ Disney random_material(std::mt19937& random, int trial) {
     return m;
 }
 
-template <class Reference>
-void compare(const char* variant, Reference&& reference) {
+template <class Reference> void compare(const char* variant, Reference&& reference) {
     std::mt19937 random(41);
     for (int trial = 0; trial < 20000; ++trial) {
         const Disney m = random_material(random, trial);
         V3 v = random_direction(random), l = random_direction(random);
-        if (trial % 3 == 1) l = unit(V3{-v[0], -v[1], v[2]} + (random_direction(random) - V3{0, 0, 0.5}) * std::max(1e-3, m.roughness * m.roughness));
+        if (trial % 3 == 1)
+            l = unit(V3{-v[0], -v[1], v[2]} +
+                     (random_direction(random) - V3{0, 0, 0.5}) * std::max(1e-3, m.roughness * m.roughness));
         if (v[2] < 1e-3 || l[2] <= 0) continue;
         const Model model = m.model().choose("variant", variant);
         const Answer got = model.at(v, l), want = reference(m, v, l);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What each model promises (the shaders' manual pages say the same). A model that is not listed here promises nothing beyond finite
-// and non-negative values.
+// What each model promises (the shaders' manual pages say the same). A model that is not listed here promises nothing
+// beyond finite and non-negative values.
 
 #include <map>
 #include <string>
@@ -13,13 +13,22 @@ namespace relume::testing {
 
 enum class Reciprocity { promised, never, unspecified };
 
-inline bool plain(const Model& m) { return m.has("energy_conserving") && m.options()[static_cast<std::size_t>(m.parameter("energy_conserving").slot)] == 0; }
+inline bool plain(const Model& m) {
+    return m.has("energy_conserving") &&
+           m.options()[static_cast<std::size_t>(m.parameter("energy_conserving").slot)] == 0;
+}
 
 inline Reciprocity reciprocity(const Model& m) {
     static const std::map<std::string_view, Reciprocity> kAlways{
-        {"lambert", Reciprocity::promised},      {"oren_nayar", Reciprocity::promised},  {"ggx", Reciprocity::promised},
-        {"cook_torrance", Reciprocity::promised}, {"default_lit", Reciprocity::promised}, {"principled", Reciprocity::promised},
-        {"blender_principled", Reciprocity::promised}, {"lambert_wrapped", Reciprocity::never}, {"specular_mix", Reciprocity::never},
+        {"lambert", Reciprocity::promised},
+        {"oren_nayar", Reciprocity::promised},
+        {"ggx", Reciprocity::promised},
+        {"cook_torrance", Reciprocity::promised},
+        {"default_lit", Reciprocity::promised},
+        {"principled", Reciprocity::promised},
+        {"blender_principled", Reciprocity::promised},
+        {"lambert_wrapped", Reciprocity::never},
+        {"specular_mix", Reciprocity::never},
         {"unlit", Reciprocity::promised},
     };
     const std::string_view name = m.info().name;

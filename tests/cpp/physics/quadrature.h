@@ -40,7 +40,8 @@ inline std::vector<std::pair<double, double>> sinh_nodes(double end, double scal
     if (unit_nodes.empty()) unit_nodes = gauss_legendre(count);
     const double last = std::asinh(end / scale);
     std::vector<std::pair<double, double>> out;
-    for (const auto& [x, w] : unit_nodes) out.emplace_back(scale * std::sinh(last * x), w * last * scale * std::cosh(last * x));
+    for (const auto& [x, w] : unit_nodes)
+        out.emplace_back(scale * std::sinh(last * x), w * last * scale * std::cosh(last * x));
     return out;
 }
 
@@ -49,7 +50,8 @@ struct Sample {
     double weight;  ///< dω
 };
 
-/// Directions to the light over the hemisphere around +z and their solid angles, for v = (sinθ, 0, cosθ), dense where h is near n
+/// Directions to the light over the hemisphere around +z and their solid angles, for v = (sinθ, 0, cosθ), dense where h
+/// is near n
 /// (`width`: alpha of the narrowest lobe) and around grazing exitance. dω_l = 4·v·h·dω_h; l leaves the hemisphere at
 /// 2θh = atan2(cosθv, −sinθv·cosφ), so every integrand is smooth inside. What is symmetric in y is assumed to be so.
 inline std::vector<Sample> half_vector_samples(double theta_v, double width, int count = 48) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A shader with values set by name, evaluated in float or double on directions around n = +z (or any n): what the physics
-// tests share.
+// A shader with values set by name, evaluated in float or double on directions around n = +z (or any n): what the
+// physics tests share.
 
 #include <algorithm>
 #include <array>
@@ -64,7 +64,8 @@ inline std::vector<std::string> choices_of(const Parameter& p) {
 class Model {
 public:
     explicit Model(std::string_view name) : Model(require_shader(name)) {}
-    explicit Model(const ShaderInfo& info) : info_(&info), params_(default_params(info)), options_(default_options(info)) {}
+    explicit Model(const ShaderInfo& info)
+        : info_(&info), params_(default_params(info)), options_(default_options(info)) {}
 
     const ShaderInfo& info() const { return *info_; }
     std::vector<double>& params() { return params_; }
@@ -73,7 +74,8 @@ public:
     const std::vector<std::int32_t>& options() const { return options_; }
 
     bool has(std::string_view name) const {
-        return std::any_of(info_->parameters.begin(), info_->parameters.end(), [&](const Parameter& p) { return p.name == name; });
+        return std::any_of(info_->parameters.begin(), info_->parameters.end(),
+                           [&](const Parameter& p) { return p.name == name; });
     }
     const Parameter& parameter(std::string_view name) const {
         for (const Parameter& p : info_->parameters)
@@ -95,16 +97,20 @@ public:
     Model& choose(std::string_view name, std::string_view choice) {
         const auto names = choices_of(parameter(name));
         const auto found = std::find(names.begin(), names.end(), choice);
-        if (found == names.end()) throw std::invalid_argument(std::string(choice) + " is no choice of " + std::string(name));
+        if (found == names.end())
+            throw std::invalid_argument(std::string(choice) + " is no choice of " + std::string(name));
         return set(name, static_cast<double>(found - names.begin()));
     }
 
     template <class T = double>
-    std::vector<Answer> evaluate(const std::vector<V3>& n, const std::vector<V3>& v, const std::vector<V3>& l, const V3& tangent = {1, 0, 0}) const {
+    std::vector<Answer> evaluate(const std::vector<V3>& n, const std::vector<V3>& v, const std::vector<V3>& l,
+                                 const V3& tangent = {1, 0, 0}) const {
         const std::size_t count = l.size();
         std::vector<std::vector<T>> arrays;
         arrays.reserve(params_.size() + 21);
-        const auto filled = [&](double value) -> T* { return arrays.emplace_back(count, static_cast<T>(value)).data(); };
+        const auto filled = [&](double value) -> T* {
+            return arrays.emplace_back(count, static_cast<T>(value)).data();
+        };
         std::vector<const T*> params;
         for (const double value : params_) params.push_back(filled(value));
         ShaderEvaluation<T> e{};
@@ -115,7 +121,8 @@ public:
         for (std::size_t k = 0; k < 3; ++k) {
             const auto vectors = [&](const std::vector<V3>& from) {
                 T* to = filled(0);
-                for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<T>(from.size() == 1 ? from[0][k] : from[i][k]);
+                for (std::size_t i = 0; i < count; ++i)
+                    to[i] = static_cast<T>(from.size() == 1 ? from[0][k] : from[i][k]);
                 return to;
             };
             e.n[k] = vectors(n);
@@ -136,10 +143,12 @@ public:
             }
         return out;
     }
-    Answer at(const V3& v, const V3& l, const V3& tangent = {1, 0, 0}) const { return evaluate({{0, 0, 1}}, {v}, {l}, tangent)[0]; }
+    Answer at(const V3& v, const V3& l, const V3& tangent = {1, 0, 0}) const {
+        return evaluate({{0, 0, 1}}, {v}, {l}, tangent)[0];
+    }
 
-    /// Every parameter at random within its table's range (unbounded ones within the slider's), now and then at an end; options too.
-    /// Emission and the constant ambient, which no light changes, stay 0.
+    /// Every parameter at random within its table's range (unbounded ones within the slider's), now and then at an end;
+    /// options too. Emission and the constant ambient, which no light changes, stay 0.
     Model& randomize(std::mt19937& random) {
         const auto uniform = [&] { return std::uniform_real_distribution<double>(0, 1)(random); };
         for (const Parameter& p : info_->parameters) {
@@ -166,7 +175,8 @@ public:
             text += ' ' + std::string(p.name) + '=';
             if (is_option(p)) text += std::to_string(options_[static_cast<std::size_t>(p.slot)]);
             else
-                for (int k = 0; k < p.components(); ++k) text += (k > 0 ? "," : "") + std::to_string(params_[static_cast<std::size_t>(p.slot + k)]);
+                for (int k = 0; k < p.components(); ++k)
+                    text += (k > 0 ? "," : "") + std::to_string(params_[static_cast<std::size_t>(p.slot + k)]);
         }
         return text;
     }
@@ -180,15 +190,19 @@ private:
 /// Width in the half angle, radians, of a model's narrowest lobe: what a quadrature or an error bound has to resolve.
 inline double narrowest_width(const Model& m) {
     double width = 1;
-    const auto value = [&](std::string_view name) { return m.params()[static_cast<std::size_t>(m.parameter(name).slot)]; };
+    const auto value = [&](std::string_view name) {
+        return m.params()[static_cast<std::size_t>(m.parameter(name).slot)];
+    };
     const auto square = [](double x) { return x * x; };
     if (m.has("roughness")) width = std::min(width, square(value("roughness")));
     if (m.has("width")) width = std::min(width, value("width"));
     if (m.has("exponent")) width = std::min(width, std::sqrt(2 / (value("exponent") + 2)));
     if (m.has("anisotropic")) width *= std::sqrt(1 - 0.9 * value("anisotropic"));
     if (m.has("anisotropy")) width *= 1 - std::fabs(value("anisotropy"));
-    if (m.has("clearcoat_roughness") && value("clearcoat") > 0) width = std::min(width, square(value("clearcoat_roughness")));
-    if (m.has("clearcoat_gloss") && value("clearcoat") > 0) width = std::min(width, mix(0.1, 0.001, value("clearcoat_gloss")));
+    if (m.has("clearcoat_roughness") && value("clearcoat") > 0)
+        width = std::min(width, square(value("clearcoat_roughness")));
+    if (m.has("clearcoat_gloss") && value("clearcoat") > 0)
+        width = std::min(width, mix(0.1, 0.001, value("clearcoat_gloss")));
     return std::max(width, m.info().name == "blender_principled" ? 3e-4 : 1e-3);
 }
 

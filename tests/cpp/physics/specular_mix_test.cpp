@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// specular_mix's lobe against its definition: directions normalize((1−t)·rv + t·d), d cosine-distributed, counted in bins around the
-// mirror direction.
+// specular_mix's lobe against its definition: directions normalize((1−t)·rv + t·d), d cosine-distributed, counted in
+// bins around the mirror direction.
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,8 @@ std::vector<double> histogram(double t, const Frame& frame, double chi_end) {
     std::vector<double> shares(kRings * kSectors);
     for (int i = 0; i < kGrid; ++i)
         for (int j = 0; j < kGrid; ++j) {
-            const double u = (i + 0.5) / kGrid, phi = 2 * kPi * (j + std::fmod(i * 0.6180339887, 1.)) / kGrid, r = std::sqrt(u);
+            const double u = (i + 0.5) / kGrid, phi = 2 * kPi * (j + std::fmod(i * 0.6180339887, 1.)) / kGrid,
+                         r = std::sqrt(u);
             const V3 d{r * std::cos(phi), r * std::sin(phi), std::sqrt(1 - u)};
             const V3 l = unit(frame.axis * (1 - t) + d * t);
             const V3 across = cross(frame.axis, l);
@@ -48,7 +49,8 @@ std::vector<double> integrated(const Model& model, const V3& v, const Frame& fra
             std::vector<double> weights;
             for (const auto& [u, wu] : nodes)
                 for (const auto& [p, wp] : nodes) {
-                    const double x = 1 - (1 - u) * (1 - u), chi = chi_end * (ring + x) / kRings, psi = 2 * kPi * (sector + p) / kSectors - kPi;
+                    const double x = 1 - (1 - u) * (1 - u), chi = chi_end * (ring + x) / kRings,
+                                 psi = 2 * kPi * (sector + p) / kSectors - kPi;
                     directions.push_back(frame.at(chi, psi));
                     weights.push_back(std::sin(chi) * chi_end / kRings * wu * 2 * (1 - u) * wp * 2 * kPi / kSectors);
                 }
@@ -67,14 +69,16 @@ TEST(SpecularMix, LobeIsTheDensityOfItsDirections) {
             const Frame frame(V3{-v[0], -v[1], v[2]});
             const bool disk = t < 0.5;
             const double chi_end = disk ? std::asin(t / (1 - t)) : radians(degrees) + kPi / 2;
-            const Model model = Model("specular_mix").set("base_color", 0).set("percent_specular", 1).set("roughness", roughness);
+            const Model model =
+                Model("specular_mix").set("base_color", 0).set("percent_specular", 1).set("roughness", roughness);
             const auto counted = histogram(t, frame, chi_end), shares = integrated(model, v, frame, chi_end);
             double total = 0;
             for (std::size_t k = 0; k < shares.size(); ++k) {
                 total += shares[k];
                 // Of a disk the pole at the edge is cut, where abs(l·d) < 0.05.
                 const bool edge = disk && k >= (kRings - 1) * kSectors;
-                EXPECT_NEAR(shares[k], counted[k], (edge ? 0.07 : 0.012) * counted[k] + 4e-4) << roughness << ' ' << degrees << " bin " << k;
+                EXPECT_NEAR(shares[k], counted[k], (edge ? 0.07 : 0.012) * counted[k] + 4e-4)
+                    << roughness << ' ' << degrees << " bin " << k;
             }
             EXPECT_GE(total, disk ? 0.965 : 0.998) << roughness << ' ' << degrees;
             EXPECT_LE(total, 1.002) << roughness << ' ' << degrees;
@@ -85,9 +89,14 @@ TEST(SpecularMix, EndsAreLambertAndMirror) {
     std::mt19937 random(7);
     for (int trial = 0; trial < 200; ++trial) {
         const V3 v = random_direction(random), l = random_direction(random);
-        const Model rough = Model("specular_mix").set("percent_specular", 1).set("roughness", 1).set("specular_color", V3{0.2, 0.5, 0.7});
-        for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(rough.at(v, l).specular[k], V3({0.2, 0.5, 0.7})[k] * l[2] / kPi, 1e-12);
-        const Model mixed = Model("specular_mix").set("percent_specular", 0.3).set("base_color", 0.6).set("roughness", 0.4);
+        const Model rough = Model("specular_mix")
+                                .set("percent_specular", 1)
+                                .set("roughness", 1)
+                                .set("specular_color", V3{0.2, 0.5, 0.7});
+        for (std::size_t k = 0; k < 3; ++k)
+            EXPECT_NEAR(rough.at(v, l).specular[k], V3({0.2, 0.5, 0.7})[k] * l[2] / kPi, 1e-12);
+        const Model mixed =
+            Model("specular_mix").set("percent_specular", 0.3).set("base_color", 0.6).set("roughness", 0.4);
         EXPECT_NEAR(mixed.at(v, l).diffuse[0], 0.7 * 0.6 * l[2] / kPi, 1e-15);
     }
     const V3 v = direction(0.5, 0);

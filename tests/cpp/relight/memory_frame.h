@@ -22,8 +22,10 @@ struct MemoryFrame {
     MemoryFrame(int w, int h, unsigned seed = 1) : width(w), height(h) {
         std::mt19937 random(seed);
         std::uniform_real_distribution<float> uniform(0.f, 1.f);
-        for (const char* name : {"normal", "position", "base_color", "beauty", "emission"}) channels[name].assign(3, std::vector<float>(pixels()));
-        for (const char* name : {"roughness", "metallic", "specular"}) channels[name].assign(1, std::vector<float>(pixels()));
+        for (const char* name : {"normal", "position", "base_color", "beauty", "emission"})
+            channels[name].assign(3, std::vector<float>(pixels()));
+        for (const char* name : {"roughness", "metallic", "specular"})
+            channels[name].assign(1, std::vector<float>(pixels()));
         for (auto& [name, planes] : channels)
             for (auto& plane : planes)
                 for (float& x : plane) x = uniform(random);
@@ -55,8 +57,8 @@ struct MemoryFrame {
         for (const auto& [name, planes] : channels) {
             MemoryChannel channel;
             for (const auto& plane : planes)
-                channel.planes.push_back({reinterpret_cast<const std::byte*>(plane.data() + y * width + x), PixelType::float32, 4,
-                                          static_cast<std::ptrdiff_t>(width) * 4});
+                channel.planes.push_back({reinterpret_cast<const std::byte*>(plane.data() + y * width + x),
+                                          PixelType::float32, 4, static_cast<std::ptrdiff_t>(width) * 4});
             memory[name] = channel;
         }
         return GBuffer::from_memory(w > 0 ? w : width, h > 0 ? h : height, memory, camera());
@@ -68,7 +70,9 @@ struct Pictures {
     std::map<std::string, std::vector<std::vector<float>>> planes;
     RelightReport report;
 
-    const std::vector<float>& operator()(const std::string& name, std::size_t component) const { return planes.at(name)[component]; }
+    const std::vector<float>& operator()(const std::string& name, std::size_t component) const {
+        return planes.at(name)[component];
+    }
 };
 
 inline Pictures relit(const GBuffer& gbuffer, const Rig& rig, int threads = 1) {
@@ -80,7 +84,8 @@ inline Pictures relit(const GBuffer& gbuffer, const Rig& rig, int threads = 1) {
         auto& planes = out.planes[aov.name];
         planes.assign(static_cast<std::size_t>(aov.components), std::vector<float>(width * height, -1.f));
         for (auto& plane : planes)
-            targets[aov.name].push_back({reinterpret_cast<std::byte*>(plane.data()), PixelType::float32, 4, static_cast<std::ptrdiff_t>(width * 4)});
+            targets[aov.name].push_back({reinterpret_cast<std::byte*>(plane.data()), PixelType::float32, 4,
+                                         static_cast<std::ptrdiff_t>(width * 4)});
     }
     RelightOptions options;
     options.threads = threads;

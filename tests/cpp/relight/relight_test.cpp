@@ -173,11 +173,12 @@ TEST_P(EveryIsa, AllLightsAgainstTheDoubleEvaluation) {
         V total, diffuse;
         reference(frame, i, total, diffuse);
         for (std::size_t k = 0; k < 3; ++k) {
-            // float32 through about 40 operations a light; the narrow highlights of roughness 0.1 amplify the rounding of h.
+            // float32 through about 40 operations a light; the narrow highlights of roughness 0.1 amplify the rounding
+            // of h.
             ASSERT_NEAR(got("beauty", k)[i], total[k], 2e-4 * (0.1 + total[k])) << "pixel " << i;
             ASSERT_NEAR(got("diffuse", k)[i], diffuse[k], 2e-5 * (0.1 + diffuse[k])) << "pixel " << i;
-            ASSERT_NEAR(got("diffuse", k)[i] + got("specular", k)[i] + frame.channels.at("emission")[k][i], got("beauty", k)[i],
-                        1e-6 * (1 + total[k]));
+            ASSERT_NEAR(got("diffuse", k)[i] + got("specular", k)[i] + frame.channels.at("emission")[k][i],
+                        got("beauty", k)[i], 1e-6 * (1 + total[k]));
         }
     }
     EXPECT_EQ(got.report.pixels, static_cast<std::int64_t>(frame.pixels()));
@@ -202,7 +203,8 @@ TEST_P(EveryIsa, LightAovsAddUpToTheBeauty) {
             for (const auto& [name, planes] : got.planes)
                 if (name.starts_with("light:")) sum += planes[k][i];
             ASSERT_NEAR(got("beauty", k)[i], sum, 2e-6 * (1 + sum));
-            ASSERT_NEAR(got("light:key", k)[i] + frame.channels.at("emission")[k][i], key("beauty", k)[i], 1e-6 * (1 + sum));
+            ASSERT_NEAR(got("light:key", k)[i] + frame.channels.at("emission")[k][i], key("beauty", k)[i],
+                        1e-6 * (1 + sum));
         }
 }
 
@@ -278,7 +280,8 @@ TEST_P(EveryIsa, NonFiniteInputsAreBlackCountedAndNamed) {
             const bool bad = i == 3 || i == 17 || i == 18 || i == 39 || i == 79;
             ASSERT_EQ(got("beauty", k)[i], bad ? 0.f : clean("beauty", k)[i]) << "pixel " << i;
         }
-    const std::map<std::string, std::int64_t> expected{{"normal", 1}, {"position", 1}, {"roughness", 1}, {"base_color", 2}, {"beauty", 1}};
+    const std::map<std::string, std::int64_t> expected{
+        {"normal", 1}, {"position", 1}, {"roughness", 1}, {"base_color", 2}, {"beauty", 1}};
     EXPECT_EQ(got.report.nonfinite, expected);
 }
 
@@ -291,8 +294,9 @@ TEST_P(EveryIsa, EachPixelGetsTheShaderThatItsIdNames) {
         const std::string lights = kLights;
         return Rig::loads(lights.substr(0, lights.find("[[shader]]")) + shaders);
     };
-    const Rig mixed = with("[[shader]]\nobject_id = [1, 4]\nuse = \"lambert\"\nbase_color = [0.1, 0.2, 0.3]\n[[shader]]\nobject_id = [4, 5]\nuse = \"ggx\"\n"
-                           "[[shader]]\nuse = \"default_lit\"\n");
+    const Rig mixed = with(
+        "[[shader]]\nobject_id = [1, 4]\nuse = \"lambert\"\nbase_color = [0.1, 0.2, 0.3]\n[[shader]]\nobject_id = [4, 5]\nuse = \"ggx\"\n"
+        "[[shader]]\nuse = \"default_lit\"\n");
     const GBuffer gbuffer = frame.gbuffer();
     const Pictures got = relit(gbuffer, mixed);
     const Pictures lambert = relit(gbuffer, with("[[shader]]\nuse = \"lambert\"\nbase_color = [0.1, 0.2, 0.3]\n"));
@@ -341,7 +345,9 @@ TEST(Relight, SaysWhatIsWrong) {
     EXPECT_THROW(no_normal.gbuffer(), Error);
     MemoryFrame no_position(4, 4);
     no_position.channels.erase("position");
-    EXPECT_NE(message(Rig::loads(kLights), no_position.gbuffer()).find("light 'lamp' is a point light and needs positions"), std::string::npos);
+    EXPECT_NE(
+        message(Rig::loads(kLights), no_position.gbuffer()).find("light 'lamp' is a point light and needs positions"),
+        std::string::npos);
 
     std::atomic<bool> cancel{true};
     RelightOptions options;

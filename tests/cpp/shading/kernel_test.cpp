@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every kernel of every shader: each instruction set against the scalar reference, and what a kernel promises on its own (bits that
-// depend on the pixel alone, bad input counted and black).
+// Every kernel of every shader: each instruction set against the scalar reference, and what a kernel promises on its
+// own (bits that depend on the pixel alone, bad input counted and black).
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,8 @@ protected:
         const auto isas = available_isas();
         std::vector<ShaderKernel> out;
         for (int k = 0; k < shader().abi->kernel_count; ++k)
-            if (std::find(isas.begin(), isas.end(), shader().abi->kernels[k].isa) != isas.end()) out.push_back(shader().abi->kernels[k]);
+            if (std::find(isas.begin(), isas.end(), shader().abi->kernels[k].isa) != isas.end())
+                out.push_back(shader().abi->kernels[k]);
         return out;
     }
 
@@ -46,8 +47,8 @@ double difference(const RandomTile::Result& a, const RandomTile::Result& b) {
     return most;
 }
 
-// Lobes of 0.2 rad and wider, no grazing view: 1e-5. Reciprocals and roots of a batch are good to 2 ulp, and a lobe of that width
-// multiplies an error of h by ten; 5e-6 is the worst seen.
+// Lobes of 0.2 rad and wider, no grazing view: 1e-5. Reciprocals and roots of a batch are good to 2 ulp, and a lobe of
+// that width multiplies an error of h by ten; 5e-6 is the worst seen.
 TEST_P(Kernels, EveryIsaFollowsTheScalarReference) {
     for (std::uint32_t seed = 0; seed < 150; ++seed) {
         RandomTile tile(shader(), static_cast<int>(1 + seed % 50), seed, Regime::typical);
@@ -60,8 +61,8 @@ TEST_P(Kernels, EveryIsaFollowsTheScalarReference) {
     }
 }
 
-// Everything else: mirror-like lobes amplify the last bits of h by 1/alpha, grazing angles by 1/cosine: 1 % of the value (0.7 % seen),
-// as far as float itself is from double there (tests/cpp/physics, FloatFollowsDouble).
+// Everything else: mirror-like lobes amplify the last bits of h by 1/alpha, grazing angles by 1/cosine: 1 % of the
+// value (0.7 % seen), as far as float itself is from double there (tests/cpp/physics, FloatFollowsDouble).
 TEST_P(Kernels, EveryIsaFollowsTheReferenceAtTheExtremes) {
     for (std::uint32_t seed = 0; seed < 300; ++seed) {
         RandomTile tile(shader(), static_cast<int>(1 + seed % 70), 1000 + seed, Regime::extreme);
@@ -85,8 +86,10 @@ TEST_P(Kernels, APixelsBitsDependOnThePixelAlone) {
                 const auto part = tile.shade(kernel.shade, begin, count);
                 for (std::size_t k = 0; k < 12; ++k)
                     for (int i = 0; i < count; ++i)
-                        ASSERT_TRUE(same_bits(part.planes[k][static_cast<std::size_t>(i)], whole.planes[k][static_cast<std::size_t>(begin + i)]))
-                            << kernel.isa << " seed " << seed << " begin " << begin << " count " << count << " pixel " << i << " plane " << k;
+                        ASSERT_TRUE(same_bits(part.planes[k][static_cast<std::size_t>(i)],
+                                              whole.planes[k][static_cast<std::size_t>(begin + i)]))
+                            << kernel.isa << " seed " << seed << " begin " << begin << " count " << count << " pixel "
+                            << i << " plane " << k;
             }
             // Other neighbours, some with NaN.
             const int begin = static_cast<int>(seed * 3), end = begin + 5;
@@ -94,7 +97,8 @@ TEST_P(Kernels, APixelsBitsDependOnThePixelAlone) {
             const auto disturbed = tile.shade(kernel.shade);
             for (std::size_t k = 0; k < 12; ++k)
                 for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-                    ASSERT_TRUE(same_bits(disturbed.planes[k][i], whole.planes[k][i])) << kernel.isa << " seed " << seed << " pixel " << i << " plane " << k;
+                    ASSERT_TRUE(same_bits(disturbed.planes[k][i], whole.planes[k][i]))
+                        << kernel.isa << " seed " << seed << " pixel " << i << " plane " << k;
         }
     }
 }
@@ -113,13 +117,17 @@ TEST_P(Kernels, NonfiniteInputIsCountedAndBlack) {
                 poisoned[static_cast<std::size_t>(pixel)] = true;
             }
             const auto result = tile.shade(kernel.shade);
-            EXPECT_EQ(result.nonfinite, std::count(poisoned.begin(), poisoned.end(), true)) << kernel.isa << " seed " << seed;
+            EXPECT_EQ(result.nonfinite, std::count(poisoned.begin(), poisoned.end(), true))
+                << kernel.isa << " seed " << seed;
             for (std::size_t k = 0; k < 12; ++k)
                 for (int i = 0; i < count; ++i) {
                     const auto at = static_cast<std::size_t>(i);
-                    const float want = !poisoned[at] ? clean.planes[k][at] : tile.accumulates() ? tile.before(k, i) : 0.f;
+                    const float want = !poisoned[at]        ? clean.planes[k][at]
+                                       : tile.accumulates() ? tile.before(k, i)
+                                                            : 0.f;
                     EXPECT_TRUE(same_bits(result.planes[k][at], want) || (poisoned[at] && result.planes[k][at] == want))
-                        << kernel.isa << " seed " << seed << " pixel " << i << " plane " << k << ": " << result.planes[k][at] << " for " << want;
+                        << kernel.isa << " seed " << seed << " pixel " << i << " plane " << k << ": "
+                        << result.planes[k][at] << " for " << want;
                 }
         }
     }

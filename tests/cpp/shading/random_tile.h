@@ -13,14 +13,16 @@
 
 namespace relume::testing {
 
-/// What the pixels are like. `typical`: rough enough and far enough from grazing that float loses nothing; `extreme`: everything.
+/// What the pixels are like. `typical`: rough enough and far enough from grazing that float loses nothing; `extreme`:
+/// everything.
 enum class Regime { typical, extreme };
 
 class RandomTile {
 public:
     using Plane = std::vector<float>;
 
-    RandomTile(const ShaderInfo& info, int count, std::uint32_t seed, Regime regime) : random_(seed), info_(&info), count_(count), regime_(regime) {
+    RandomTile(const ShaderInfo& info, int count, std::uint32_t seed, Regime regime)
+        : random_(seed), info_(&info), count_(count), regime_(regime) {
         Model model = Model(info).randomize(random_);
         options_ = model.options();
         fill_surface();
@@ -92,7 +94,8 @@ public:
         if (!occlusion_.empty()) planes.push_back(&occlusion_);
         for (Plane& p : slots_)
             if (!p.empty()) planes.push_back(&p);
-        const float bad[] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()};
+        const float bad[] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
+                             -std::numeric_limits<float>::infinity()};
         (*planes[random_() % planes.size()])[static_cast<std::size_t>(pixel)] = bad[random_() % 3];
     }
 
@@ -101,7 +104,8 @@ public:
         RandomTile other(*info_, count_, static_cast<std::uint32_t>(random_()), Regime::extreme);
         const auto take = [&](Plane& mine, const Plane& theirs) {
             for (int i = 0; i < count_; ++i)
-                if ((i < begin || i >= end) && !mine.empty() && !theirs.empty()) mine[static_cast<std::size_t>(i)] = theirs[static_cast<std::size_t>(i)];
+                if ((i < begin || i >= end) && !mine.empty() && !theirs.empty())
+                    mine[static_cast<std::size_t>(i)] = theirs[static_cast<std::size_t>(i)];
         };
         for (std::size_t k = 0; k < 3; ++k) {
             take(normal_[k], other.normal_[k]);
@@ -119,8 +123,7 @@ public:
 private:
     float uniform(float low = 0, float high = 1) { return std::uniform_real_distribution<float>(low, high)(random_); }
     bool maybe(double probability) { return std::bernoulli_distribution(probability)(random_); }
-    template <class F>
-    Plane plane(F&& f) {
+    template <class F> Plane plane(F&& f) {
         Plane out(static_cast<std::size_t>(count_));
         for (float& x : out) x = f();
         return out;
@@ -149,7 +152,8 @@ private:
             if (view_kind == 0) v = unit(v + on_sphere() * 0.3);
             V3 n = unit(v + on_sphere() * (regime_ == Regime::typical ? 0.8 : 1.5));
             if (regime_ == Regime::typical && dot(n, v) < 0.15) n = unit(n + v);
-            if (regime_ == Regime::extreme && maybe(0.1)) n = unit(unit(cross(v, on_sphere())) + v * uniform(1e-3f, 0.03f));  // grazing
+            if (regime_ == Regime::extreme && maybe(0.1))
+                n = unit(unit(cross(v, on_sphere())) + v * uniform(1e-3f, 0.03f));  // grazing
             const double length = regime_ == Regime::extreme && maybe(0.05) ? 0 : maybe(0.5) ? 1 : uniform(0.3f, 2.f);
             mirrored_.push_back(n * (2 * dot(n, v)) - v);
             const V3 t = maybe(0.2) ? V3{0, 0, 0} : on_sphere() * uniform(0.1f, 3.f);
@@ -165,7 +169,8 @@ private:
     void fill_parameters(const Model& model) {
         const auto bounded = [&](const Parameter& p, double x) {
             // Lobes of 0.2 rad and more.
-            if (regime_ == Regime::typical && (p.name.ends_with("roughness") || p.name == "width")) x = mix(0.45, 1., x);
+            if (regime_ == Regime::typical && (p.name.ends_with("roughness") || p.name == "width"))
+                x = mix(0.45, 1., x);
             if (regime_ == Regime::typical && p.name == "exponent") x = 1 + x / 8;
             if (regime_ == Regime::typical && p.name == "clearcoat") x = 0;
             if (regime_ == Regime::typical && p.name.starts_with("anisotrop")) x *= 0.5;
@@ -204,7 +209,8 @@ private:
             V3 axis = on_sphere(), position = axis * uniform(2.5f, 8.f) + on_sphere() * 0.5;
             if (maybe(0.6)) {  // some pixel's highlight
                 const std::size_t pixel = random_() % normal_[0].size();
-                axis = unit(mirrored_[pixel] + on_sphere() * std::pow(10., -uniform(0.f, regime_ == Regime::typical ? 1.f : 4.f)));
+                axis = unit(mirrored_[pixel] +
+                            on_sphere() * std::pow(10., -uniform(0.f, regime_ == Regime::typical ? 1.f : 4.f)));
                 position = axis * uniform(2.5f, 8.f);
                 for (std::size_t c = 0; c < 3; ++c) position[c] += position_[c][pixel];
             }
@@ -232,7 +238,8 @@ private:
             }
             ambients_.push_back(light);
         }
-        for (int k = 0; k < directs + ambients; ++k) masks_.push_back(maybe(0.3) ? plane([&] { return uniform(); }) : Plane{});
+        for (int k = 0; k < directs + ambients; ++k)
+            masks_.push_back(maybe(0.3) ? plane([&] { return uniform(); }) : Plane{});
     }
 
     std::mt19937 random_;

@@ -8,9 +8,9 @@
 namespace relume {
 
 /// Unpolarised reflectance at cosine x ≥ 0 between the direction and the (half) normal:
-/// F = ½·((g−x)/(g+x))²·(1 + ((x(g+x)−1)/(x(g−x)+1))²), g² = eta² − 1 + x² (Cook–Torrance 1982, eq. for F; Walter 2007, eq. 22).
-template <class T>
-RELUME_INLINE T dielectric_fresnel(T cosine, T eta) {
+/// F = ½·((g−x)/(g+x))²·(1 + ((x(g+x)−1)/(x(g−x)+1))²), g² = eta² − 1 + x² (Cook–Torrance 1982, eq. for F; Walter 2007,
+/// eq. 22).
+template <class T> RELUME_INLINE T dielectric_fresnel(T cosine, T eta) {
     const T one(1.f);
     const T g = safe_sqrt(fma(eta, eta, fma(cosine, cosine, -one)));
     const T sum = g + cosine, difference = g - cosine;
@@ -20,23 +20,20 @@ RELUME_INLINE T dielectric_fresnel(T cosine, T eta) {
 }
 
 /// eta of a dielectric from its reflectance at normal incidence, F0 = ((eta−1)/(eta+1))² solved; F0 at most 0.99.
-template <class T>
-RELUME_INLINE T eta_from_f0(T f0) {
+template <class T> RELUME_INLINE T eta_from_f0(T f0) {
     const T root = safe_sqrt(min(f0, constant<T>(0.99)));
     return (T(1.f) + root) * rcp(T(1.f) - root);
 }
 
-/// The rise of the exact dielectric law from normal incidence (0) to grazing (1), which takes the place of Schlick's (1−x)⁵:
-/// (F(x) − F(1))/(1 − F(1)), not below 0: it never falls, but for eta > 3.7 (F0 > 33 %), of which no dielectric is. Prepared once
-/// a pixel.
-template <class T>
-struct DielectricRise {
+/// The rise of the exact dielectric law from normal incidence (0) to grazing (1), which takes the place of Schlick's
+/// (1−x)⁵: (F(x) − F(1))/(1 − F(1)), not below 0: it never falls, but for eta > 3.7 (F0 > 33 %), of which no dielectric
+/// is. Prepared once a pixel.
+template <class T> struct DielectricRise {
     T eta, f0, scale;  // scale = 1/(1 − F(1))
     RELUME_INLINE T operator()(T cosine) const { return max((dielectric_fresnel(cosine, eta) - f0) * scale, T(0.f)); }
 };
 
-template <class T>
-RELUME_INLINE DielectricRise<T> dielectric_rise(T f0) {
+template <class T> RELUME_INLINE DielectricRise<T> dielectric_rise(T f0) {
     const T bounded = clamp(f0, T(0.f), constant<T>(0.99));
     return {eta_from_f0(bounded), bounded, rcp(T(1.f) - bounded)};
 }

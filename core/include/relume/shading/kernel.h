@@ -17,24 +17,23 @@ namespace relume {
 
 /// A model whose evaluate() fills scalar terms; the others return Lobes.
 template <class S>
-concept HasTerms = requires { S::terms[0]; };
+concept HasTerms = requires {
+    S::terms[0];
+};
 
-template <class S>
-constexpr int term_count() {
+template <class S> constexpr int term_count() {
     if constexpr (HasTerms<S>) return static_cast<int>(std::size(S::terms));
     else return 0;
 }
 
 /// A model that multiplies its terms by LightSample::arriving itself.
-template <class S>
-constexpr bool scales_by_arriving() {
+template <class S> constexpr bool scales_by_arriving() {
     if constexpr (requires { S::scales_by_arriving; }) return S::scales_by_arriving;
     else return false;
 }
 
 /// Whether a model can have light in that lobe at all.
-template <class S>
-constexpr bool has_lobe(Lobe lobe) {
+template <class S> constexpr bool has_lobe(Lobe lobe) {
     if constexpr (HasTerms<S>) {
         for (const Lobe term : S::terms)
             if (term == lobe) return true;
@@ -44,17 +43,20 @@ constexpr bool has_lobe(Lobe lobe) {
     }
 }
 
-template <class S> inline constexpr int kFloatSlots = static_cast<int>(sizeof(typename S::template Params<float>) / sizeof(float));
-template <class S> inline constexpr int kOptionSlots =
-    std::is_empty_v<typename S::Options> ? 0 : static_cast<int>(sizeof(typename S::Options) / sizeof(std::int32_t));
+template <class S>
+inline constexpr int kFloatSlots = static_cast<int>(sizeof(typename S::template Params<float>) / sizeof(float));
+template <class S>
+inline constexpr int kOptionSlots = std::is_empty_v<typename S::Options>
+                                        ? 0
+                                        : static_cast<int>(sizeof(typename S::Options) / sizeof(std::int32_t));
 
 /// Each parameter's slot lies in its struct, none overlap, and all are named: checked where the model is registered.
-template <class S>
-constexpr bool table_matches_params() {
+template <class S> constexpr bool table_matches_params() {
     bool floats[kFloatSlots<S> + 1] = {};
     bool options[kOptionSlots<S> + 1] = {};
     for (const Parameter& p : S::parameters) {
-        const bool is_option = p.type == ParameterType::boolean || p.type == ParameterType::integer || p.type == ParameterType::choice;
+        const bool is_option =
+            p.type == ParameterType::boolean || p.type == ParameterType::integer || p.type == ParameterType::choice;
         const int n = is_option ? 1 : p.components();
         const int limit = is_option ? kOptionSlots<S> : kFloatSlots<S>;
         for (int k = 0; k < n; ++k) {
@@ -75,32 +77,31 @@ constexpr bool table_matches_params() {
 #define RELUME_SLOT(member) static_cast<int>(offsetof(Params<float>, member) / sizeof(float))
 #define RELUME_OPTION(member) static_cast<int>(offsetof(Options, member) / sizeof(std::int32_t))
 
-/// f(std::integral_constant<int, 0>) … f(<N − 1>), unrolled before the optimiser splits arrays into registers, which a loop
-/// is not.
-template <int N, class F>
-RELUME_INLINE void static_for(F&& f) {
+/// f(std::integral_constant<int, 0>) … f(<N − 1>), unrolled before the optimiser splits arrays into registers, which a
+/// loop is not.
+template <int N, class F> RELUME_INLINE void static_for(F&& f) {
     [&]<int... K>(std::integer_sequence<int, K...>) RELUME_INLINE_LAMBDA { (f(std::integral_constant<int, K>{}), ...); }
     (std::make_integer_sequence<int, N>{});
 }
 
 /// The direction and the share of DirectLight::color that arrives, for one kind of light.
-template <class T>
-RELUME_INLINE T spot_factor(const DirectLight& light, T cosine) {
+template <class T> RELUME_INLINE T spot_factor(const DirectLight& light, T cosine) {
     const T zero(0.f), one(1.f);
     const T outer(light.cone[0]), inv_width(light.cone[1]);
     switch (light.falloff) {
-        case SpotFalloff::step: return select(cosine > outer, one, zero);
+        case SpotFalloff::step:
+            return select(cosine > outer, one, zero);
         case SpotFalloff::linear:  // in angle: Mitsuba's beam
             return saturate((T(light.cone[2]) - acos(clamp(cosine, -one, one))) * inv_width);
-        default: break;
+        default:
+            break;
     }
     const T t = saturate((cosine - outer) * inv_width);
     const T smooth = t * t * fma(t, T(-2.f), T(3.f));
     return light.falloff == SpotFalloff::blender3 ? smooth * max(cosine, zero) : smooth;
 }
 
-template <class T>
-RELUME_INLINE Vec3<T> light_direction(const DirectLight& light, const Vec3<T>& p, T& falloff) {
+template <class T> RELUME_INLINE Vec3<T> light_direction(const DirectLight& light, const Vec3<T>& p, T& falloff) {
     const Vec3<T> axis{T(light.to_light[0]), T(light.to_light[1]), T(light.to_light[2])};
     if (light.kind == LightKind::sun) {
         falloff = T(1.f);
@@ -113,7 +114,8 @@ RELUME_INLINE Vec3<T> light_direction(const DirectLight& light, const Vec3<T>& p
         falloff = r * r;
     } else {
         const T distance = rcp(r);
-        falloff = rcp(fma(fma(T(light.attenuation[2]), distance, T(light.attenuation[1])), distance, T(light.attenuation[0])));
+        falloff = rcp(
+            fma(fma(T(light.attenuation[2]), distance, T(light.attenuation[1])), distance, T(light.attenuation[0])));
     }
     if (light.kind == LightKind::spot) falloff = falloff * spot_factor(light, dot(l, axis));
     return l;
@@ -121,8 +123,7 @@ RELUME_INLINE Vec3<T> light_direction(const DirectLight& light, const Vec3<T>& p
 
 /// Where a tile's parameters come from, without a branch: slot k of pixel i is at base[k] + (i & mask[k]), a constant's
 /// mask is 0 and its base a batch of copies.
-template <class S, class T>
-struct SlotSources {
+template <class S, class T> struct SlotSources {
     static constexpr int kSlots = kFloatSlots<S>;
     const float* base[kSlots];
     std::ptrdiff_t mask[kSlots];
@@ -148,20 +149,17 @@ RELUME_INLINE T load_params(typename S::template Params<T>& params, const SlotSo
     return poison[0] + poison[1];
 }
 
-template <class T>
-RELUME_INLINE Vec3<T> load3(const float* const (&planes)[3], int i) {
+template <class T> RELUME_INLINE Vec3<T> load3(const float* const (&planes)[3], int i) {
     return {load<T>(planes[0] + i), load<T>(planes[1] + i), load<T>(planes[2] + i)};
 }
 
-template <class T>
-RELUME_INLINE void accumulate(Color<T>& sum, const float (&color)[3], T weight) {
+template <class T> RELUME_INLINE void accumulate(Color<T>& sum, const float (&color)[3], T weight) {
     sum.x = fma(T(color[0]), weight, sum.x);
     sum.y = fma(T(color[1]), weight, sum.y);
     sum.z = fma(T(color[2]), weight, sum.z);
 }
 
-template <class T>
-RELUME_INLINE void accumulate(Color<T>& sum, const Color<T>& f, const float (&color)[3], T weight) {
+template <class T> RELUME_INLINE void accumulate(Color<T>& sum, const Color<T>& f, const float (&color)[3], T weight) {
     sum.x = fma(f.x * weight, T(color[0]), sum.x);
     sum.y = fma(f.y * weight, T(color[1]), sum.y);
     sum.z = fma(f.z * weight, T(color[2]), sum.z);
@@ -171,15 +169,18 @@ RELUME_INLINE void accumulate(Color<T>& sum, const Color<T>& f, const float (&co
 inline constexpr int kMaxSummedTerms = 4;
 
 template <class S, class T>
-RELUME_INLINE Lobes<T> evaluate_lobes(const typename S::template Prepared<T>& prepared, const typename S::Options& options,
-                                      const Geometry<T>& g, const LightSample<T>& s) {
+RELUME_INLINE Lobes<T> evaluate_lobes(const typename S::template Prepared<T>& prepared,
+                                      const typename S::Options& options, const Geometry<T>& g,
+                                      const LightSample<T>& s) {
     if constexpr (HasTerms<S>) {
         T w[term_count<S>()];
         S::evaluate(prepared, options, g, s, w);
         Lobes<T> out{splat(T(0.f)), splat(T(0.f)), splat(T(0.f))};
         static_for<term_count<S>()>([&](auto k) RELUME_INLINE_LAMBDA {
             constexpr Lobe lobe = S::terms[k];
-            Color<T>& sum = lobe == Lobe::diffuse ? out.diffuse : lobe == Lobe::specular ? out.specular : out.transmission;
+            Color<T>& sum = lobe == Lobe::diffuse    ? out.diffuse
+                            : lobe == Lobe::specular ? out.specular
+                                                     : out.transmission;
             sum = fma(prepared.color[k], w[k], sum);
         });
         return out;
@@ -199,8 +200,8 @@ RELUME_INLINE void put3(float* const (&planes)[3], int i, Color<T> value, const 
 
 /// Pixels [i, i + kWidth) of the tile. Returns how many of the first `lanes` read NaN or infinity.
 template <class S, class T, bool kIsotropic>
-RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& sources, const typename S::Options& options, int i,
-                              int mask_offset, int lanes) {
+RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& sources,
+                              const typename S::Options& options, int i, int mask_offset, int lanes) {
     const T zero(0.f), one(1.f);
     T poison = zero;  // becomes NaN in lanes that read NaN or infinity
     Geometry<T> g;
@@ -325,7 +326,8 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& s
         if (tile.lobe[k][0] != nullptr) put3(tile.lobe[k], i, lobes[k], weight, tile.accumulate != 0);
     });
 
-    if (!any(is_nan(poison))) [[likely]] return 0;
+    if (!any(is_nan(poison))) [[likely]]
+        return 0;
     alignas(64) float flags[kWidth<T>];
     store(flags, select(is_nan(poison), one, zero));
     int count = 0;
@@ -334,8 +336,7 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& s
 }
 
 /// Calls f on every input plane of the tile.
-template <class S, class T, class F>
-void for_each_input(ShaderTile& tile, SlotSources<S, T>& sources, F&& f) {
+template <class S, class T, class F> void for_each_input(ShaderTile& tile, SlotSources<S, T>& sources, F&& f) {
     for (auto* group : {tile.normal, tile.position, tile.view, tile.tangent})
         for (int k = 0; k < 3; ++k) f(group[k]);
     f(tile.ambient_occlusion);
@@ -346,19 +347,17 @@ void for_each_input(ShaderTile& tile, SlotSources<S, T>& sources, F&& f) {
 
 /// The last count mod kWidth pixels, in padded copies: the same batch code as everywhere, so that a pixel's bits do not
 /// depend on where the tile ends.
-template <class T>
-struct Tail {
+template <class T> struct Tail {
     static constexpr int kPlanes = 3 * 4 + 2 + 64;
     alignas(64) float inputs[kPlanes][kWidth<T>];
     alignas(64) float outputs[12][kWidth<T>];
 };
 
 // Internal linkage and flattened: see relume_isa_objects() in cmake/RelumeShader.cmake.
-template <class S, class T>
-__attribute__((flatten)) static void shade_tile(ShaderTile* tile) {
+template <class S, class T> __attribute__((flatten)) static void shade_tile(ShaderTile* tile) {
     static_assert(kFloatSlots<S> <= 64, "Tail has room for 64 slots");
     typename S::Options options;
-    if constexpr (kOptionSlots<S> > 0) std::memcpy(&options, tile->options, sizeof options);
+    if constexpr (kOptionSlots < S >> 0) std::memcpy(&options, tile->options, sizeof options);
     const int whole = tile->count / kWidth<T> * kWidth<T>;
     const int rest = tile->count - whole;
     // A model with anisotropy names its slot, and has a kernel without it for where it is 0 all over.
@@ -371,7 +370,7 @@ __attribute__((flatten)) static void shade_tile(ShaderTile* tile) {
     SlotSources<S, T> sources(*tile);
     Tail<T> tail;
     // Twice through one loop, the second time over the tail, so that the kernel is there once.
-    for (int pass = 0, begin = 0, end = whole; pass < 2; ++pass, end = rest > 0 ? kWidth<T> : 0) {
+    for (int pass = 0, begin = 0, end = whole; pass<2; ++pass, end = rest> 0 ? kWidth<T> : 0) {
         if (pass == 1 && rest > 0) {
             int used = 0;
             for_each_input<S, T>(work, sources, [&](const float*& plane) {
@@ -382,7 +381,8 @@ __attribute__((flatten)) static void shade_tile(ShaderTile* tile) {
             used = 0;
             const auto output = [&](float*& plane) {
                 if (plane == nullptr) return;
-                for (int k = 0; k < kWidth<T>; ++k) tail.outputs[used][k] = k < rest && work.accumulate ? plane[whole + k] : 0.f;
+                for (int k = 0; k < kWidth<T>; ++k)
+                    tail.outputs[used][k] = k < rest && work.accumulate ? plane[whole + k] : 0.f;
                 plane = tail.outputs[used++];
             };
             for (float*& plane : work.total) output(plane);
@@ -392,7 +392,8 @@ __attribute__((flatten)) static void shade_tile(ShaderTile* tile) {
         const int offset = pass == 0 ? 0 : whole;
         const auto shade = [&](auto without_anisotropy) RELUME_INLINE_LAMBDA {
             for (int i = begin; i < end; i += kWidth<T>)
-                nonfinite += shade_batch<S, T, without_anisotropy>(work, sources, options, i, offset + i, pass == 0 ? kWidth<T> : rest);
+                nonfinite += shade_batch<S, T, without_anisotropy>(work, sources, options, i, offset + i,
+                                                                   pass == 0 ? kWidth<T> : rest);
         };
         if constexpr (requires { S::anisotropy_slot; }) {
             if (isotropic) shade(std::true_type{});
@@ -416,10 +417,9 @@ __attribute__((flatten)) static void shade_tile(ShaderTile* tile) {
 }
 
 /// f·NdotL on arrays, by the same code.
-template <class S, class T>
-static void evaluate_arrays(const ShaderEvaluation<T>* e) {
+template <class S, class T> static void evaluate_arrays(const ShaderEvaluation<T>* e) {
     typename S::Options options;
-    if constexpr (kOptionSlots<S> > 0) std::memcpy(&options, e->options, sizeof options);
+    if constexpr (kOptionSlots < S >> 0) std::memcpy(&options, e->options, sizeof options);
     for (std::int64_t i = 0; i < e->count; ++i) {
         typename S::template Params<T> params;
         T* slots = reinterpret_cast<T*>(&params);

@@ -25,18 +25,15 @@ namespace relume {
 template <class T>
 concept Scalar = std::is_same_v<T, float> || std::is_same_v<T, double>;
 
-template <class T>
-struct NumberTraits {
+template <class T> struct NumberTraits {
     using Mask = bool;
     static constexpr int width = 1;
 };
 
-template <class T>
-using MaskOf = typename NumberTraits<T>::Mask;
+template <class T> using MaskOf = typename NumberTraits<T>::Mask;
 
 /// Lanes of T.
-template <class T>
-inline constexpr int kWidth = NumberTraits<T>::width;
+template <class T> inline constexpr int kWidth = NumberTraits<T>::width;
 
 template <Scalar T> RELUME_INLINE T select(bool mask, T a, T b) { return mask ? a : b; }
 template <Scalar T> RELUME_INLINE T min(T a, T b) { return b < a ? b : a; }
@@ -73,9 +70,9 @@ template <Scalar T> RELUME_INLINE void store(float* p, T x) { *p = static_cast<f
 /// `lanes` values; the lanes beyond repeat the last.
 template <Scalar T> RELUME_INLINE T load_partial(const float* p, int) { return T(*p); }
 
-/// Four values by pixel, x y z w x y z w …, of the first `lanes` pixels; `stream` bypasses the cache (16-byte alignment).
-template <Scalar T>
-RELUME_INLINE void store_interleaved(float* p, T x, T y, T z, T w, int, bool) {
+/// Four values by pixel, x y z w x y z w …, of the first `lanes` pixels; `stream` bypasses the cache (16-byte
+/// alignment).
+template <Scalar T> RELUME_INLINE void store_interleaved(float* p, T x, T y, T z, T w, int, bool) {
     p[0] = static_cast<float>(x);
     p[1] = static_cast<float>(y);
     p[2] = static_cast<float>(z);
@@ -86,16 +83,16 @@ RELUME_INLINE void store_interleaved(float* p, T x, T y, T z, T w, int, bool) {
 
 // ---- batches ------------------------------------------------------------------------------------------------------
 
-template <class A>
-using Batch = xsimd::batch<float, A>;
+template <class A> using Batch = xsimd::batch<float, A>;
 
-template <class A>
-struct NumberTraits<Batch<A>> {
+template <class A> struct NumberTraits<Batch<A>> {
     using Mask = xsimd::batch_bool<float, A>;
     static constexpr int width = static_cast<int>(Batch<A>::size);
 };
 
-template <class A> RELUME_INLINE Batch<A> select(xsimd::batch_bool<float, A> m, Batch<A> a, Batch<A> b) { return xsimd::select(m, a, b); }
+template <class A> RELUME_INLINE Batch<A> select(xsimd::batch_bool<float, A> m, Batch<A> a, Batch<A> b) {
+    return xsimd::select(m, a, b);
+}
 template <class A> RELUME_INLINE Batch<A> min(Batch<A> a, Batch<A> b) { return xsimd::min(a, b); }
 template <class A> RELUME_INLINE Batch<A> max(Batch<A> a, Batch<A> b) { return xsimd::max(a, b); }
 template <class A> RELUME_INLINE Batch<A> abs(Batch<A> x) { return xsimd::abs(x); }
@@ -112,8 +109,8 @@ template <class A> RELUME_INLINE bool all(xsimd::batch_bool<float, A> m) { retur
 // Not x != x: xsimd 8 compares "ordered and unequal" on AVX, which NaN is not.
 template <class A> RELUME_INLINE xsimd::batch_bool<float, A> is_nan(Batch<A> x) { return !(x == x); }
 
-// Sine and cosine, 1.5e-7 off at most for |x| ≤ 1000. xsimd's own call a routine of a library for large x, which an object of
-// one ISA must not export.
+// Sine and cosine, 1.5e-7 off at most for |x| ≤ 1000. xsimd's own call a routine of a library for large x, which an
+// object of one ISA must not export.
 namespace native {
 template <class A>
 RELUME_INLINE Batch<A> sin_of_half_turns(Batch<A> x, Batch<A> k, Batch<A> sign) {  // sign·sin(x − k·π), |x − k·π| ≤ π/2
@@ -127,8 +124,7 @@ RELUME_INLINE Batch<A> sin_of_half_turns(Batch<A> x, Batch<A> k, Batch<A> sign) 
     p = xsimd::fma(p, r2, Batch<A>(-1.f / 6.f));
     return sign * xsimd::fma(p * r2, r, r);
 }
-template <class A>
-RELUME_INLINE Batch<A> one_if_even(Batch<A> k) {  // −1 if odd
+template <class A> RELUME_INLINE Batch<A> one_if_even(Batch<A> k) {  // −1 if odd
     return Batch<A>(1.f) - Batch<A>(2.f) * (k - Batch<A>(2.f) * xsimd::floor(Batch<A>(0.5f) * k));
 }
 }  // namespace native
@@ -141,8 +137,7 @@ template <class A> RELUME_INLINE Batch<A> cos(Batch<A> x) {
     return native::sin_of_half_turns(x, k + Batch<A>(0.5f), -native::one_if_even(k));
 }
 
-template <class A>
-RELUME_INLINE Batch<A> pow(Batch<A> x, Batch<A> y) {
+template <class A> RELUME_INLINE Batch<A> pow(Batch<A> x, Batch<A> y) {
     // exp(y·log x), with the two ends that the product 0·∞ would spoil.
     const Batch<A> tiny(1e-37f);
     const Batch<A> p = xsimd::exp(y * xsimd::log(xsimd::max(x, tiny)));
@@ -153,94 +148,83 @@ RELUME_INLINE Batch<A> pow(Batch<A> x, Batch<A> y) {
 // over division and square root. Where there is no good estimate, the exact operations. Fused multiply-add by name as
 // well: xsimd 8 has none for AVX-512.
 namespace native {
-#if defined(__AVX512F__)
+#  if defined(__AVX512F__)
 RELUME_INLINE __m512 rcp(__m512 x) { return _mm512_rcp14_ps(x); }
 RELUME_INLINE __m512 rsqrt(__m512 x) { return _mm512_rsqrt14_ps(x); }
 RELUME_INLINE __m512 fma(__m512 a, __m512 b, __m512 c) { return _mm512_fmadd_ps(a, b, c); }
 RELUME_INLINE __m512 fnma(__m512 a, __m512 b, __m512 c) { return _mm512_fnmadd_ps(a, b, c); }
-#endif
-#if defined(__AVX__)
+#  endif
+#  if defined(__AVX__)
 RELUME_INLINE __m256 rcp(__m256 x) { return _mm256_rcp_ps(x); }
 RELUME_INLINE __m256 rsqrt(__m256 x) { return _mm256_rsqrt_ps(x); }
-#endif
-#if defined(__FMA__)
+#  endif
+#  if defined(__FMA__)
 RELUME_INLINE __m256 fma(__m256 a, __m256 b, __m256 c) { return _mm256_fmadd_ps(a, b, c); }
 RELUME_INLINE __m256 fnma(__m256 a, __m256 b, __m256 c) { return _mm256_fnmadd_ps(a, b, c); }
-#endif
-#if defined(__SSE2__)
+#  endif
+#  if defined(__SSE2__)
 RELUME_INLINE __m128 rcp(__m128 x) { return _mm_rcp_ps(x); }
 RELUME_INLINE __m128 rsqrt(__m128 x) { return _mm_rsqrt_ps(x); }
 RELUME_INLINE __m128 fma(__m128 a, __m128 b, __m128 c) { return _mm_add_ps(_mm_mul_ps(a, b), c); }
 RELUME_INLINE __m128 fnma(__m128 a, __m128 b, __m128 c) { return _mm_sub_ps(c, _mm_mul_ps(a, b)); }
-#endif
+#  endif
 }  // namespace native
 
-template <class A>
-RELUME_INLINE Batch<A> fma(Batch<A> a, Batch<A> b, Batch<A> c) {
-#if defined(__SSE2__)
+template <class A> RELUME_INLINE Batch<A> fma(Batch<A> a, Batch<A> b, Batch<A> c) {
+#  if defined(__SSE2__)
     using R = typename Batch<A>::register_type;
     return Batch<A>(native::fma(R(a), R(b), R(c)));
-#else
+#  else
     return xsimd::fma(a, b, c);
-#endif
+#  endif
 }
 
 /// c − a·b
-template <class A>
-RELUME_INLINE Batch<A> fnma(Batch<A> a, Batch<A> b, Batch<A> c) {
-#if defined(__SSE2__)
+template <class A> RELUME_INLINE Batch<A> fnma(Batch<A> a, Batch<A> b, Batch<A> c) {
+#  if defined(__SSE2__)
     using R = typename Batch<A>::register_type;
     return Batch<A>(native::fnma(R(a), R(b), R(c)));
-#else
+#  else
     return xsimd::fnma(a, b, c);
-#endif
+#  endif
 }
 
-template <class A>
-RELUME_INLINE Batch<A> rcp(Batch<A> x) {
-#if defined(__SSE2__)
+template <class A> RELUME_INLINE Batch<A> rcp(Batch<A> x) {
+#  if defined(__SSE2__)
     const Batch<A> y(native::rcp(typename Batch<A>::register_type(x)));
     return fma(y, fnma(x, y, Batch<A>(1.f)), y);
-#else
+#  else
     return Batch<A>(1.f) / x;
-#endif
+#  endif
 }
 
-template <class A>
-RELUME_INLINE Batch<A> rsqrt(Batch<A> x) {
-#if defined(__SSE2__)
+template <class A> RELUME_INLINE Batch<A> rsqrt(Batch<A> x) {
+#  if defined(__SSE2__)
     const Batch<A> y(native::rsqrt(typename Batch<A>::register_type(x)));
     return fma(y * Batch<A>(0.5f), fnma(x * y, y, Batch<A>(1.f)), y);
-#else
+#  else
     return Batch<A>(1.f) / xsimd::sqrt(x);
-#endif
+#  endif
 }
 
-template <class A>
-RELUME_INLINE Batch<A> rsqrt_twice(Batch<A> x) {
-#if defined(__SSE2__)
+template <class A> RELUME_INLINE Batch<A> rsqrt_twice(Batch<A> x) {
+#  if defined(__SSE2__)
     const Batch<A> y(native::rsqrt(typename Batch<A>::register_type(x + x)));
     return y * fnma(x, y * y, Batch<A>(1.5f));
-#else
+#  else
     return Batch<A>(1.f) / xsimd::sqrt(x + x);
-#endif
+#  endif
 }
 
 template <class T>
-    requires(!Scalar<T>)
-RELUME_INLINE T load(const float* p) {
-    return T::load_unaligned(p);
-}
+requires(!Scalar<T>) RELUME_INLINE T load(const float* p) { return T::load_unaligned(p); }
 
-template <class A>
-RELUME_INLINE void store(float* p, Batch<A> x) {
-    x.store_unaligned(p);
-}
+template <class A> RELUME_INLINE void store(float* p, Batch<A> x) { x.store_unaligned(p); }
 
 template <class T>
-    requires(!Scalar<T>)
-RELUME_INLINE T load_partial(const float* p, int lanes) {
-    if (lanes >= kWidth<T>) [[likely]] return T::load_unaligned(p);
+requires(!Scalar<T>) RELUME_INLINE T load_partial(const float* p, int lanes) {
+    if (lanes >= kWidth<T>) [[likely]]
+        return T::load_unaligned(p);
     alignas(64) float padded[kWidth<T>];
     for (int k = 0; k < kWidth<T>; ++k) padded[k] = p[k < lanes ? k : lanes - 1];
     return T::load_aligned(padded);
@@ -254,10 +238,11 @@ RELUME_INLINE void store_interleaved(float* p, Batch<A> x, Batch<A> y, Batch<A> 
     y.store_aligned(planar[1]);
     z.store_aligned(planar[2]);
     w.store_aligned(planar[3]);
-#if defined(__SSE2__)
+#  if defined(__SSE2__)
     if (lanes >= kLanes) [[likely]] {
         for (int k = 0; k < kLanes; k += 4) {
-            __m128 a = _mm_load_ps(planar[0] + k), b = _mm_load_ps(planar[1] + k), c = _mm_load_ps(planar[2] + k), d = _mm_load_ps(planar[3] + k);
+            __m128 a = _mm_load_ps(planar[0] + k), b = _mm_load_ps(planar[1] + k), c = _mm_load_ps(planar[2] + k),
+                   d = _mm_load_ps(planar[3] + k);
             _MM_TRANSPOSE4_PS(a, b, c, d);
             const __m128 pixels[4] = {a, b, c, d};
             for (int q = 0; q < 4; ++q) {
@@ -267,7 +252,7 @@ RELUME_INLINE void store_interleaved(float* p, Batch<A> x, Batch<A> y, Batch<A> 
         }
         return;
     }
-#endif
+#  endif
     static_cast<void>(stream);
     for (int k = 0; k < kLanes && k < lanes; ++k)
         for (int c = 0; c < 4; ++c) p[4 * k + c] = planar[c][k];
@@ -284,14 +269,16 @@ template <class T> RELUME_INLINE T lerp(T a, T b, T t) { return fma(t, b - a, a)
 /// √x for x that rounding may have brought below 0.
 template <class T> RELUME_INLINE T safe_sqrt(T x) { return sqrt(max(x, T(0.f))); }
 /// x⁵; Schlick's (1 − x)⁵ takes x clamped to [0, 1].
-template <class T> RELUME_INLINE T pow5(T x) { const T x2 = x * x; return x2 * x2 * x; }
+template <class T> RELUME_INLINE T pow5(T x) {
+    const T x2 = x * x;
+    return x2 * x2 * x;
+}
 
 inline constexpr double kPi = 3.14159265358979323846;
 inline constexpr double kInvPi = 0.31830988618379067154;
 
 /// A constant of type T from a double, without a narrowing warning.
-template <class T>
-RELUME_INLINE T constant(double x) {
+template <class T> RELUME_INLINE T constant(double x) {
     if constexpr (std::is_same_v<T, double>) return x;
     else return T(static_cast<float>(x));
 }

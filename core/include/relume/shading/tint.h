@@ -12,14 +12,12 @@ struct LuminanceWeights {
 inline constexpr LuminanceWeights kLuminanceRec709{0.2126, 0.7152, 0.0722};
 inline constexpr LuminanceWeights kLuminanceBurley{0.3, 0.6, 0.1};  // disney.brdf's approximation, Blender 3's too
 
-template <class T>
-RELUME_INLINE T luminance(const Color<T>& c, const LuminanceWeights& w) {
+template <class T> RELUME_INLINE T luminance(const Color<T>& c, const LuminanceWeights& w) {
     return fma(c.x, constant<T>(w.r), fma(c.y, constant<T>(w.g), c.z * constant<T>(w.b)));
 }
 
 /// A colour's hue and saturation at luminance 1; white where the colour is black (Burley 2012).
-template <class T>
-RELUME_INLINE Color<T> tint_of(const Color<T>& c, const LuminanceWeights& weights) {
+template <class T> RELUME_INLINE Color<T> tint_of(const Color<T>& c, const LuminanceWeights& weights) {
     const T least = constant<T>(1e-12);
     const T l = luminance(c, weights);
     return select(l > least, scale(c, rcp(max(l, least))), splat(T(1.f)));
