@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Adds files of the compressions that OpenEXR 3.1 lacks to this folder: `python make_exr_new.py`, with PyPI's OpenEXR 3.5."""
+"""Adds files of the compressions that OpenEXR 3.1 lacks: `python make_exr_new.py`, with PyPI's OpenEXR 3.5."""
 
 from __future__ import annotations
 
