@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <stdexcept>
@@ -35,7 +36,10 @@ const char* class_name(ErrorKind kind) {
 void raise(const char* name, const char* message) {
     // The classes are written in Python (relume/errors.py), where they can be documented and typed.
     const py::object type = py::module_::import("relume.errors").attr(name);
-    PyErr_SetString(type.ptr(), message);
+    // A message quotes what it was given, which need not be UTF-8: PyErr_SetString would drop the whole of it.
+    const py::object text = py::reinterpret_steal<py::object>(
+        PyUnicode_DecodeUTF8(message, static_cast<Py_ssize_t>(std::strlen(message)), "replace"));
+    PyErr_SetObject(type.ptr(), text.ptr());
 }
 
 void translate(std::exception_ptr pointer) {
