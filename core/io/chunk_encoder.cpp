@@ -37,7 +37,12 @@ exr_pixel_type_t to_core(PixelType type) {
 }
 
 exr_attr_box2i_t to_box(const Window& window) {
-    return {{window.x, window.y}, {window.x_end() - 1, window.y_end() - 1}};
+    exr_attr_box2i_t box;
+    box.min.x = window.x;
+    box.min.y = window.y;
+    box.max.x = window.x_end() - 1;
+    box.max.y = window.y_end() - 1;
+    return box;
 }
 
 }  // namespace
