@@ -210,7 +210,8 @@ TEST(ExrOutput, FullDiskReachesTheWritersAndTheCommit) {
     for (std::thread& thread : threads) {
         thread.join();
     }
-    // Whoever writes when the disk is full; the others may have queued all their rows by then, and learn of it at the commit.
+    // Whoever writes when the disk is full; the others may have queued all their rows by then, and learn of it at the
+    // commit.
     EXPECT_GE(failed, 1);
     EXPECT_THROW(writer.commit(), Error);
     EXPECT_FALSE(std::filesystem::exists(folder / "out.exr"));
