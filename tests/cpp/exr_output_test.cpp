@@ -193,13 +193,14 @@ TEST(ExrOutput, FullDiskReachesTheWritersAndTheCommit) {
     const FileSizeLimit full(200000);
     auto planes = test_planes(part);
     ExrWriter writer(folder / "out.exr", {{part}}, {.compression = Compression::none});
+    const int last = part.data_window.height - 1;
     std::atomic<int> next{0};
     std::atomic<int> failed{0};
     std::vector<std::thread> threads;
     for (int t = 0; t < 4; ++t) {
         threads.emplace_back([&] {
             try {
-                for (int y = next++; y < part.data_window.height; y = next++) {
+                for (int y = next++; y < last; y = next++) {
                     writer.write(0, y, 1, const_planes(planes, y));
                 }
             } catch (const Error& error) {
@@ -213,6 +214,7 @@ TEST(ExrOutput, FullDiskReachesTheWritersAndTheCommit) {
     // Whoever writes when the disk is full; the others may have queued all their rows by then, and learn of it at the
     // commit.
     EXPECT_GE(failed, 1);
+    EXPECT_THROW(writer.write(0, last, 1, const_planes(planes, last)), Error);  // from then on everybody
     EXPECT_THROW(writer.commit(), Error);
     EXPECT_FALSE(std::filesystem::exists(folder / "out.exr"));
 }

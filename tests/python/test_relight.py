@@ -199,7 +199,7 @@ def test_an_exception_in_progress_stops_the_work(ggx_rig: Rig) -> None:
     start = time.monotonic()
     with pytest.raises(EnoughError):
         relight(big_gbuffer(), Rig.loads(KEY), out=big_out(), progress=progress)
-    assert time.monotonic() - start < 30
+    assert time.monotonic() - start < 5
 
 
 def test_the_gil_is_released() -> None:
@@ -250,8 +250,8 @@ def test_ctrl_c() -> None:
         start = time.monotonic()
         process.send_signal(signal.SIGINT)
         assert process.stdout.readline() == "interrupted\n"
-        assert time.monotonic() - start < 20
-        assert process.wait(30) == 0
+        assert time.monotonic() - start < 3
+        assert process.wait(10) == 0
 
 
 def test_many_at_once(ggx_rig: Rig) -> None:

@@ -25,7 +25,7 @@ template <class T> struct Geometry {
     T n_dot_v;  ///< clamped to [1e-4, 1], for denominators
     T ambient_occlusion;
     bool isotropic;  ///< the tile has no anisotropy at all: known when the kernel is compiled, so that what hangs on it
-                     ///< is left out of the loop (it cost a quarter of a single light's time in registers)
+                     ///< is left out of the loop (it cost 13 % of a single light's time in registers)
     Vec3<T> tangent;  ///< as given, neither unit nor orthogonal; 0 where there is none. Shaders with needs_tangent
                       ///< only, and through tangent_frame()
 };
