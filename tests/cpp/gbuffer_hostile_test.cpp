@@ -156,8 +156,7 @@ TEST(HostileGBuffer, ThousandsOfLayersTakeNoTime) {
     file.producer = gbuffer::detect_producer(file.header, file.layers);
     EXPECT_THROW(gbuffer::understand(std::move(file), {}), Error);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    // 0.4 s without sanitizers; what grew with the square of the layers took minutes.
-    EXPECT_LT(took.count(), 60.0);
+    EXPECT_LT(took.count(), 5.0);
 }
 
 TEST(HostileGBuffer, OtherFilesAreNamed) {
