@@ -89,7 +89,8 @@ struct DefaultLit {
         const HalfVector<T> h = half_vector(g, s);
         const T n_dot_l = max(s.n_dot_l, T(0.f));
         const T cosine = n_dot_l * s.arriving;
-        T lobe = cosine * rcp(square(m.bracket(h.q)) * m.joint.denominator(n_dot_l));
+        // The division runs beside the multiplications; a reciprocal's Newton step would be three more of them.
+        T lobe = cosine / (square(m.bracket(h.q)) * m.joint.denominator(n_dot_l));
         if (m.any_anisotropic) {
             const Vec3<T> hd = half_direction(g, s, h);
             const T d = ggx_distribution_anisotropic(m.alpha_x, m.alpha_y, dot(m.tangent, hd), dot(m.bitangent, hd),

@@ -173,7 +173,7 @@ private:
                 x = mix(0.45, 1., x);
             if (regime_ == Regime::typical && p.name == "exponent") x = 1 + x / 8;
             if (regime_ == Regime::typical && p.name == "clearcoat") x = 0;
-            if (regime_ == Regime::typical && p.name.starts_with("anisotrop")) x *= 0.5;
+            if (regime_ == Regime::typical && p.name.find("anisotrop") != p.name.npos) x *= 0.5;
             return static_cast<float>(x);
         };
         slots_.resize(static_cast<std::size_t>(info_->abi->float_slots));
@@ -200,7 +200,7 @@ private:
     }
 
     void fill_lights() {
-        const int directs = static_cast<int>(random_() % 5), ambients = static_cast<int>(random_() % 3);
+        const int directs = static_cast<int>(random_() % 7), ambients = static_cast<int>(random_() % 3);
         for (int k = 0; k < directs; ++k) {
             DirectLight light{};
             light.kind = static_cast<LightKind>(random_() % 3);

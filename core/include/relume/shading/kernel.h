@@ -108,7 +108,7 @@ template <class T> RELUME_INLINE Vec3<T> light_direction(const DirectLight& ligh
         return axis;
     }
     const Vec3<T> d{T(light.position[0]) - p.x, T(light.position[1]) - p.y, T(light.position[2]) - p.z};
-    const T r = rsqrt(max(dot(d, d), constant<T>(1e-24)));
+    const T r = rsqrt(fma(d.x, d.x, fma(d.y, d.y, fma(d.z, d.z, constant<T>(1e-24)))));
     const Vec3<T> l = scale(d, r);
     if (light.inverse_square) {
         falloff = r * r;
@@ -139,14 +139,18 @@ template <class S, class T> struct SlotSources {
 };
 
 template <class S, class T>
-RELUME_INLINE T load_params(typename S::template Params<T>& params, const SlotSources<S, T>& from, int i) {
+RELUME_INLINE void load_params(typename S::template Params<T>& params, const SlotSources<S, T>& from, int i) {
     T* slots = reinterpret_cast<T*>(&params);
-    T poison[2] = {T(0.f), T(0.f)};  // two chains: one would be as long as the shading
-    static_for<kFloatSlots<S>>([&](auto k) RELUME_INLINE_LAMBDA {
-        slots[k] = load<T>(from.base[k] + (i & from.mask[k]));
-        poison[k % 2] = fma(slots[k], T(0.f), poison[k % 2]);
-    });
-    return poison[0] + poison[1];
+    static_for<kFloatSlots<S>>(
+        [&](auto k) RELUME_INLINE_LAMBDA { slots[k] = load<T>(from.base[k] + (i & from.mask[k])); });
+}
+
+/// The sum of a pixel's parameters, on two chains: one would be as long as the shading.
+template <class S, class T> RELUME_INLINE T sum_of(const typename S::template Params<T>& params) {
+    const T* slots = reinterpret_cast<const T*>(&params);
+    T sum[2] = {T(0.f), T(0.f)};
+    static_for<kFloatSlots<S>>([&](auto k) RELUME_INLINE_LAMBDA { sum[k % 2] = sum[k % 2] + slots[k]; });
+    return sum[0] + sum[1];
 }
 
 template <class T> RELUME_INLINE Vec3<T> load3(const float* const (&planes)[3], int i) {
@@ -203,18 +207,17 @@ template <class S, class T, bool kIsotropic>
 RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& sources,
                               const typename S::Options& options, int i, int mask_offset, int lanes) {
     const T zero(0.f), one(1.f);
-    T poison = zero;  // becomes NaN in lanes that read NaN or infinity
     Geometry<T> g;
     const Vec3<T> normal = load3<T>(tile.normal, i);
     const T length2 = dot(normal, normal);
-    poison = fma(length2, zero, poison);
+    T poison = length2;  // the sum of all that is read: NaN or infinity where any of it is
     const MaskOf<T> surface = length2 > constant<T>(1e-12);
     g.n = scale(normal, rsqrt(max(length2, constant<T>(1e-12))));
 
     Vec3<T> p{zero, zero, zero};
     if (tile.position[0] != nullptr) {
         p = load3<T>(tile.position, i);
-        poison = fma(p.x + p.y + p.z, zero, poison);
+        poison = poison + (p.x + p.y + p.z);
     }
     const Vec3<T> eye{T(tile.eye[0]), T(tile.eye[1]), T(tile.eye[2])};
     if (tile.view[0] != nullptr) g.v = load3<T>(tile.view, i);
@@ -222,24 +225,24 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& s
     else g.v = normalize(sub(eye, p));
 
     const T n_dot_v = dot(g.n, g.v);
-    poison = fma(n_dot_v, zero, poison);
+    poison = poison + n_dot_v;
     g.n_dot_v = clamp(n_dot_v, constant<T>(kMinCosine), one);
     g.isotropic = kIsotropic;
     g.ambient_occlusion = one;
     if (tile.ambient_occlusion != nullptr) {
         g.ambient_occlusion = load<T>(tile.ambient_occlusion + i);
-        poison = fma(g.ambient_occlusion, zero, poison);
+        poison = poison + g.ambient_occlusion;
     }
     g.tangent = splat(zero);
     if constexpr (S::needs_tangent) {
         if (tile.tangent[0] != nullptr) {
             g.tangent = load3<T>(tile.tangent, i);
-            poison = fma(g.tangent.x + g.tangent.y + g.tangent.z, zero, poison);
+            poison = poison + (g.tangent.x + g.tangent.y + g.tangent.z);
         }
     }
 
     typename S::template Params<T> params;
-    poison = poison + load_params<S, T>(params, sources, i);
+    load_params<S, T>(params, sources, i);
     const auto prepared = S::prepare(params, options, g);
 
     constexpr bool kSum = HasTerms<S> && term_count<S>() <= kMaxSummedTerms;
@@ -272,22 +275,30 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& s
         }
     }
 
+    // What the lights do not need is prepared only now, from the parameters read again (the cache has them): kept over the
+    // loop it would be stored and loaded. What of the two prepare() is not used, the optimiser drops.
+    typename S::template Params<T> params_after;
+    load_params<S, T>(params_after, sources, opaque(i));
+    poison = poison + sum_of<S, T>(params_after);
+    const auto after = S::prepare(params_after, options, g);
+
     Color<T> lobes[3] = {splat(zero), splat(zero), splat(zero)};
     if constexpr (kSum) {
         static_for<kSums>([&](auto k) RELUME_INLINE_LAMBDA {
             Color<T>& lobe = lobes[static_cast<int>(S::terms[k])];
-            lobe = add(lobe, mul(prepared.color[k], sums[k]));
+            lobe = add(lobe, mul(after.color[k], sums[k]));
         });
     } else {
         static_for<3>([&](auto k) RELUME_INLINE_LAMBDA { lobes[k] = sums[k]; });
     }
     // Catches what overflowed on the way as well. Selects, not products: an invalid lane may hold NaN.
-    Color<T> sum = prepared.emission;
+    Color<T> sum = after.emission;
     static_for<3>([&](auto k) RELUME_INLINE_LAMBDA {
         if constexpr (has_lobe<S>(static_cast<Lobe>(int(k)))) sum = add(sum, lobes[k]);
     });
-    poison = fma(sum.x + sum.y + sum.z, zero, poison);
-    const MaskOf<T> valid = surface && !is_nan(poison);
+    poison = (poison + (sum.x + sum.y + sum.z)) * zero;
+    const MaskOf<T> bad = is_nan(poison);
+    const MaskOf<T> valid = surface && !bad;
     MaskOf<T> lit = valid;
     if constexpr (!S::lit_from_below) lit = valid && n_dot_v > zero;  // a lobe is 0 where the viewer is below
     static_for<3>([&](auto k) RELUME_INLINE_LAMBDA {
@@ -305,7 +316,7 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& s
             irradiance.y = fma(m, lerp(T(light->low[1]), T(light->high[1]), w), irradiance.y);
             irradiance.z = fma(m, lerp(T(light->low[2]), T(light->high[2]), w), irradiance.z);
         }
-        const Color<T> reflected = scale(mul(prepared.ambient, irradiance), g.ambient_occlusion);
+        const Color<T> reflected = scale(mul(after.ambient, irradiance), g.ambient_occlusion);
         lobes[0] = add(lobes[0], select(valid, reflected, splat(zero)));
     }
 
@@ -319,17 +330,17 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& s
         Color<T> total = lobes[0];
         if constexpr (has_lobe<S>(Lobe::specular)) total = add(total, lobes[1]);
         if constexpr (has_lobe<S>(Lobe::transmission)) total = add(total, lobes[2]);
-        if (tile.emission) total = add(total, select(valid, prepared.emission, splat(zero)));
+        if (tile.emission) total = add(total, select(valid, after.emission, splat(zero)));
         put3(tile.total, i, total, weight, tile.accumulate != 0);
     }
     static_for<3>([&](auto k) RELUME_INLINE_LAMBDA {
         if (tile.lobe[k][0] != nullptr) put3(tile.lobe[k], i, lobes[k], weight, tile.accumulate != 0);
     });
 
-    if (!any(is_nan(poison))) [[likely]]
+    if (!any(bad)) [[likely]]
         return 0;
     alignas(64) float flags[kWidth<T>];
-    store(flags, select(is_nan(poison), one, zero));
+    store(flags, select(bad, one, zero));
     int count = 0;
     for (int k = 0; k < kWidth<T> && k < lanes; ++k) count += flags[k] != 0.f;
     return count;
@@ -354,7 +365,7 @@ template <class T> struct Tail {
 };
 
 // Internal linkage and flattened: see relume_isa_objects() in cmake/RelumeShader.cmake.
-template <class S, class T> __attribute__((flatten)) static void shade_tile(ShaderTile* tile) {
+template <class S, class T> __attribute__((flatten)) static void shade_tile_with(ShaderTile* tile) {
     static_assert(kFloatSlots<S> <= 64, "Tail has room for 64 slots");
     typename S::Options options;
     if constexpr (kOptionSlots < S >> 0) std::memcpy(&options, tile->options, sizeof options);
@@ -414,6 +425,19 @@ template <class S, class T> __attribute__((flatten)) static void shade_tile(Shad
             for (float* plane : lobe) copy_back(plane);
     }
     tile->nonfinite = nonfinite;
+}
+
+/// The number type for a tile: one batch or a pair of them, by the light count alone, so that all tiles of a frame agree.
+template <class S, class T> static void shade_tile(ShaderTile* tile) {
+#if defined(RELUME_ISA_BATCH)
+#  if defined(__AVX512F__)
+    // 32 registers hold one batch's pixel; a pair's spill, which pays from four lights on.
+    if (tile->light_count < 4) return shade_tile_with<S, T>(tile);
+#  endif
+    shade_tile_with<S, Pair<T>>(tile);
+#else
+    shade_tile_with<S, T>(tile);
+#endif
 }
 
 /// f·NdotL on arrays, by the same code.

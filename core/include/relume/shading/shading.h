@@ -68,11 +68,13 @@ template <class T> struct HalfVector {
 
 template <class T> RELUME_INLINE HalfVector<T> half_vector(const Geometry<T>& g, const LightSample<T>& s) {
     HalfVector<T> h;
-    const T w = max(T(1.f) + s.v_dot_l, constant<T>(1e-8));  // |v + l|²/2
-    h.inv_len = rsqrt_twice(w);
-    h.v_dot_h = w * h.inv_len;
-    const Vec3<T> d{fma(g.v.x + s.l.x, h.inv_len, -g.n.x), fma(g.v.y + s.l.y, h.inv_len, -g.n.y),
-                    fma(g.v.z + s.l.z, h.inv_len, -g.n.z)};
+    // |v + l|², which 2 + 2·v·l would lose where l is near −v.
+    const Vec3<T> sum = add(g.v, s.l);
+    const T length2 = fma(sum.x, sum.x, fma(sum.y, sum.y, fma(sum.z, sum.z, constant<T>(1e-16))));
+    const T half = constant<T>(0.5) * length2;
+    h.inv_len = rsqrt(length2, half);
+    h.v_dot_h = half * h.inv_len;
+    const Vec3<T> d{fma(sum.x, h.inv_len, -g.n.x), fma(sum.y, h.inv_len, -g.n.y), fma(sum.z, h.inv_len, -g.n.z)};
     h.q = dot(d, d);
     return h;
 }

@@ -47,8 +47,8 @@ template <Scalar T> RELUME_INLINE T fnma(T a, T b, T c) { return c - a * b; }
 /// 1/x and 1/√x, to 2 ulp in a batch and correctly rounded operations in the reference. x must not be 0.
 template <Scalar T> RELUME_INLINE T rcp(T x) { return T(1) / x; }
 template <Scalar T> RELUME_INLINE T rsqrt(T x) { return T(1) / std::sqrt(x); }
-/// 1/√(2x)
-template <Scalar T> RELUME_INLINE T rsqrt_twice(T x) { return T(1) / std::sqrt(x + x); }
+/// 1/√x for who has x/2 as well: one operation less in a batch.
+template <Scalar T> RELUME_INLINE T rsqrt(T x, T) { return T(1) / std::sqrt(x); }
 template <Scalar T> RELUME_INLINE T exp(T x) { return std::exp(x); }
 template <Scalar T> RELUME_INLINE T exp2(T x) { return std::exp2(x); }
 template <Scalar T> RELUME_INLINE T log(T x) { return std::log(x); }
@@ -67,8 +67,6 @@ template <Scalar T> RELUME_INLINE bool is_nan(T x) { return x != x; }
 /// kWidth<T> values from contiguous memory, of any alignment.
 template <Scalar T> RELUME_INLINE T load(const float* p) { return T(*p); }
 template <Scalar T> RELUME_INLINE void store(float* p, T x) { *p = static_cast<float>(x); }
-/// `lanes` values; the lanes beyond repeat the last.
-template <Scalar T> RELUME_INLINE T load_partial(const float* p, int) { return T(*p); }
 
 /// Four values by pixel, x y z w x y z w …, of the first `lanes` pixels; `stream` bypasses the cache (16-byte
 /// alignment).
@@ -207,28 +205,22 @@ template <class A> RELUME_INLINE Batch<A> rsqrt(Batch<A> x) {
 #  endif
 }
 
-template <class A> RELUME_INLINE Batch<A> rsqrt_twice(Batch<A> x) {
+template <class A> RELUME_INLINE Batch<A> rsqrt(Batch<A> x, Batch<A> half) {
 #  if defined(__SSE2__)
-    const Batch<A> y(native::rsqrt(typename Batch<A>::register_type(x + x)));
-    return y * fnma(x, y * y, Batch<A>(1.5f));
+    const Batch<A> y(native::rsqrt(typename Batch<A>::register_type(x)));
+    return y * fnma(half, y * y, Batch<A>(1.5f));
 #  else
-    return Batch<A>(1.f) / xsimd::sqrt(x + x);
+    static_cast<void>(half);
+    return rsqrt(x);
 #  endif
 }
 
 template <class T>
-requires(!Scalar<T>) RELUME_INLINE T load(const float* p) { return T::load_unaligned(p); }
+concept IsBatch = xsimd::is_batch<T>::value;
+
+template <IsBatch T> RELUME_INLINE T load(const float* p) { return T::load_unaligned(p); }
 
 template <class A> RELUME_INLINE void store(float* p, Batch<A> x) { x.store_unaligned(p); }
-
-template <class T>
-requires(!Scalar<T>) RELUME_INLINE T load_partial(const float* p, int lanes) {
-    if (lanes >= kWidth<T>) [[likely]]
-        return T::load_unaligned(p);
-    alignas(64) float padded[kWidth<T>];
-    for (int k = 0; k < kWidth<T>; ++k) padded[k] = p[k < lanes ? k : lanes - 1];
-    return T::load_aligned(padded);
-}
 
 template <class A>
 RELUME_INLINE void store_interleaved(float* p, Batch<A> x, Batch<A> y, Batch<A> z, Batch<A> w, int lanes, bool stream) {
@@ -258,9 +250,30 @@ RELUME_INLINE void store_interleaved(float* p, Batch<A> x, Batch<A> y, Batch<A> 
         for (int c = 0; c < 4; ++c) p[4 * k + c] = planar[c][k];
 }
 
+}  // namespace relume
+
+#  include "relume/shading/pair.h"
+
+namespace relume {
+
 #endif  // RELUME_ISA_BATCH
 
 // ---- for every T --------------------------------------------------------------------------------------------------
+
+/// `lanes` values; the lanes beyond repeat the last.
+template <class T> RELUME_INLINE T load_partial(const float* p, int lanes) {
+    if (lanes >= kWidth<T>) [[likely]]
+        return load<T>(p);
+    alignas(64) float padded[kWidth<T>];
+    for (int k = 0; k < kWidth<T>; ++k) padded[k] = p[k < lanes ? k : lanes - 1];
+    return load<T>(padded);
+}
+
+/// i, of which the optimiser knows nothing: what is loaded through it is loaded again instead of kept.
+RELUME_INLINE int opaque(int i) {
+    asm("" : "+r"(i));
+    return i;
+}
 
 template <class T> RELUME_INLINE T clamp(T x, T low, T high) { return min(max(x, low), high); }
 template <class T> RELUME_INLINE T saturate(T x) { return clamp(x, T(0.f), T(1.f)); }
