@@ -14,8 +14,8 @@ struct ComposeTile {
     const float* beauty[3];  ///< null: 0
     const float* light[3];   ///< shaded radiance of the covered part
     std::int32_t add;        ///< add to the beauty instead of replacing it
-    /// R, G, B, A. With `interleaved` set rgba[0] points to 4·count floats, R G B A by pixel, 16-byte aligned when
-    /// `stream` (stores that bypass the cache) is set too.
+    /// R, G, B, A (A may be null). With `interleaved` set rgba[0] points to 4·count floats, R G B A by pixel. `stream`:
+    /// stores that bypass the cache; interleaved, rgba[0] is 16-byte aligned then.
     float* rgba[4];
     std::int32_t interleaved;
     std::int32_t stream;

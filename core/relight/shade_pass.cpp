@@ -306,13 +306,14 @@ void ShadePass::shade(std::span<const float* const> planes, int count, std::span
         return k < rgba.size() && rgba[k].type == PixelType::float32 && rgba[k].x_stride == 4;
     };
     bool copy[4] = {};
+    tile.stream = stream;
     if (pixel_interleaved()) {
         tile.interleaved = 1;
-        tile.stream = stream;
         tile.rgba[0] = reinterpret_cast<float*>(rgba[0].data);
     } else {
-        for (std::size_t k = 0; k < 4; ++k) {
+        for (std::size_t k = 0; k < std::max<std::size_t>(rgba.size(), 3); ++k) {
             copy[k] = !direct(k);
+            if (copy[k]) tile.stream = 0;
             tile.rgba[k] = copy[k] ? scratch_[kRgba + k].get() : reinterpret_cast<float*>(rgba[k].data);
         }
     }

@@ -13,7 +13,7 @@
 namespace relume {
 
 /// Pixels that are shaded in one go: inputs and outputs of a tile stay in the L2 cache.
-inline constexpr int kTilePixels = 1024;
+inline constexpr int kTilePixels = 4096;
 
 /// Where one picture's rows go: planes over the rows [y, y + rows) of the data window.
 struct Target {

@@ -153,6 +153,24 @@ template <class S, class T> RELUME_INLINE T sum_of(const typename S::template Pa
     return sum[0] + sum[1];
 }
 
+/// Fetches the line that the batch kPrefetchDistance pixels on will read: a CPU's own prefetching follows a dozen planes
+/// too late. It may point past the plane, where nothing is fetched.
+template <class T> RELUME_INLINE void prefetch_ahead(const float* p) {
+    constexpr int kPrefetchDistance = 256, kLine = 16;
+    if constexpr (kWidth<T> == 1) return;  // sixteen times a line, for nothing
+    for (int k = 0; k < kWidth<T> || k == 0; k += kLine) __builtin_prefetch(p + kPrefetchDistance + k);
+}
+
+template <class S, class T> RELUME_INLINE void prefetch_inputs(const ShaderTile& tile, const SlotSources<S, T>& from, int i) {
+    for (int k = 0; k < 3; ++k) {
+        prefetch_ahead<T>(tile.normal[k] + i);
+        if (tile.position[0] != nullptr) prefetch_ahead<T>(tile.position[k] + i);
+    }
+    static_for<kFloatSlots<S>>([&](auto k) RELUME_INLINE_LAMBDA {
+        prefetch_ahead<T>(from.base[k] + (i & from.mask[k]));
+    });
+}
+
 template <class T> RELUME_INLINE Vec3<T> load3(const float* const (&planes)[3], int i) {
     return {load<T>(planes[0] + i), load<T>(planes[1] + i), load<T>(planes[2] + i)};
 }
@@ -207,6 +225,7 @@ template <class S, class T, bool kIsotropic>
 RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& sources,
                               const typename S::Options& options, int i, int mask_offset, int lanes) {
     const T zero(0.f), one(1.f);
+    prefetch_inputs<S, T>(tile, sources, i);
     Geometry<T> g;
     const Vec3<T> normal = load3<T>(tile.normal, i);
     const T length2 = dot(normal, normal);

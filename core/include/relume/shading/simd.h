@@ -68,6 +68,9 @@ template <Scalar T> RELUME_INLINE bool is_nan(T x) { return x != x; }
 template <Scalar T> RELUME_INLINE T load(const float* p) { return T(*p); }
 template <Scalar T> RELUME_INLINE void store(float* p, T x) { *p = static_cast<float>(x); }
 
+/// Past the cache; p is aligned to a batch.
+template <Scalar T> RELUME_INLINE void store_streaming(float* p, T x) { store(p, x); }
+
 /// Four values by pixel, x y z w x y z w …, of the first `lanes` pixels; `stream` bypasses the cache (16-byte
 /// alignment).
 template <Scalar T> RELUME_INLINE void store_interleaved(float* p, T x, T y, T z, T w, int, bool) {
@@ -221,6 +224,26 @@ concept IsBatch = xsimd::is_batch<T>::value;
 template <IsBatch T> RELUME_INLINE T load(const float* p) { return T::load_unaligned(p); }
 
 template <class A> RELUME_INLINE void store(float* p, Batch<A> x) { x.store_unaligned(p); }
+
+#  if defined(__SSE2__)
+namespace native {
+RELUME_INLINE void stream(float* p, __m128 x) { _mm_stream_ps(p, x); }
+#    if defined(__AVX__)
+RELUME_INLINE void stream(float* p, __m256 x) { _mm256_stream_ps(p, x); }
+#    endif
+#    if defined(__AVX512F__)
+RELUME_INLINE void stream(float* p, __m512 x) { _mm512_stream_ps(p, x); }
+#    endif
+}  // namespace native
+#  endif
+
+template <class A> RELUME_INLINE void store_streaming(float* p, Batch<A> x) {
+#  if defined(__SSE2__)
+    native::stream(p, typename Batch<A>::register_type(x));
+#  else
+    store(p, x);
+#  endif
+}
 
 template <class A>
 RELUME_INLINE void store_interleaved(float* p, Batch<A> x, Batch<A> y, Batch<A> z, Batch<A> w, int lanes, bool stream) {
