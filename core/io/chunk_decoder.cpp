@@ -3,6 +3,13 @@
 
 #include <utility>
 
+#if __has_include(<openexr_compression.h>)
+#  include <openexr_compression.h>
+#  define RELUME_CORE_INFLATES 1
+#else
+#  define RELUME_CORE_INFLATES 0  // OpenEXRCore 3.1: its pipeline does all of it
+#endif
+
 namespace relume::io {
 
 ChunkDecoder::~ChunkDecoder() {
@@ -11,7 +18,33 @@ ChunkDecoder::~ChunkDecoder() {
     }
 }
 
-std::span<const std::byte> ChunkDecoder::decode(const exr_chunk_info_t& chunk, exr_result_t& code) {
+DecodedChunk ChunkDecoder::inflate(const exr_chunk_info_t& chunk, exr_result_t& code) {
+    packed_.resize(static_cast<std::size_t>(chunk.packed_size));
+    code = exr_read_chunk(context_, part_, &chunk, packed_.data());
+    if (code != EXR_ERR_SUCCESS) {
+        return {};
+    }
+    if (chunk.packed_size == chunk.unpacked_size) {
+        return {packed_, false};
+    }
+#if RELUME_CORE_INFLATES
+    inflated_.resize(static_cast<std::size_t>(chunk.unpacked_size));
+    std::size_t size = 0;
+    code = exr_uncompress_buffer(context_, packed_.data(), packed_.size(), inflated_.data(), inflated_.size(), &size);
+    if (code == EXR_ERR_SUCCESS && size != inflated_.size()) {
+        code = EXR_ERR_CORRUPT_CHUNK;
+    }
+#endif
+    if (code != EXR_ERR_SUCCESS) {
+        return {};
+    }
+    return {inflated_, true};
+}
+
+DecodedChunk ChunkDecoder::decode(const exr_chunk_info_t& chunk, exr_result_t& code) {
+    if (RELUME_CORE_INFLATES && zip_rows_) {
+        return inflate(chunk, code);
+    }
     if (!initialized_) {
         code = exr_decoding_initialize(context_, part_, &chunk, &pipeline_);
         if (code != EXR_ERR_SUCCESS) {
@@ -35,7 +68,7 @@ std::span<const std::byte> ChunkDecoder::decode(const exr_chunk_info_t& chunk, e
         return {};
     }
     const void* pixels = pipeline_.unpacked_buffer != nullptr ? pipeline_.unpacked_buffer : pipeline_.packed_buffer;
-    return {static_cast<const std::byte*>(pixels), static_cast<std::size_t>(chunk.unpacked_size)};
+    return {{static_cast<const std::byte*>(pixels), static_cast<std::size_t>(chunk.unpacked_size)}, false};
 }
 
 DecoderPool::Lease::~Lease() {
@@ -49,7 +82,7 @@ DecoderPool::Lease DecoderPool::borrow() {
     const std::lock_guard lock(mutex_);
     std::unique_ptr<ChunkDecoder> decoder;
     if (idle_.empty()) {
-        decoder = std::make_unique<ChunkDecoder>(context_, part_);
+        decoder = std::make_unique<ChunkDecoder>(context_, part_, zip_rows_);
     } else {
         decoder = std::move(idle_.back());
         idle_.pop_back();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -10,21 +11,36 @@
 
 namespace relume::io {
 
+/// A chunk's bytes, valid until its decoder's next call.
+struct DecodedChunk {
+    /// The pixels as the file format lays them out: row after row, in a row channel after channel. Empty when the chunk
+    /// cannot be had.
+    std::span<const std::byte> bytes;
+    /// Those pixels are still in ZIP's order and differences: to be walked through by ZipRows.
+    bool zip_rows = false;
+};
+
 /// Reads and decompresses chunks of one part, one at a time. Its buffers are kept from chunk to chunk.
 class ChunkDecoder {
 public:
-    ChunkDecoder(exr_const_context_t context, int part) : context_(context), part_(part) {}
+    /// `zip_rows`: ZIP chunks may be left half done, for ZipRows.
+    ChunkDecoder(exr_const_context_t context, int part, bool zip_rows)
+        : context_(context), part_(part), zip_rows_(zip_rows) {}
     ~ChunkDecoder();
     ChunkDecoder(const ChunkDecoder&) = delete;
     ChunkDecoder& operator=(const ChunkDecoder&) = delete;
 
-    /// The chunk's pixels as the file format lays them out: row after row, in a row channel after channel. They are
-    /// valid until the next call. Empty, with OpenEXRCore's error set, when the chunk cannot be had.
-    std::span<const std::byte> decode(const exr_chunk_info_t& chunk, exr_result_t& code);
+    /// Sets OpenEXRCore's error where it fails.
+    DecodedChunk decode(const exr_chunk_info_t& chunk, exr_result_t& code);
 
 private:
+    DecodedChunk inflate(const exr_chunk_info_t& chunk, exr_result_t& code);
+
     exr_const_context_t context_;
     int part_;
+    bool zip_rows_;
+    std::vector<std::byte> packed_;
+    std::vector<std::byte> inflated_;
     bool initialized_ = false;
     exr_result_t (*decompress_)(exr_decode_pipeline_t*) = nullptr;
     exr_decode_pipeline_t pipeline_ = empty_pipeline<exr_decode_pipeline_t>();
@@ -48,12 +64,14 @@ public:
         std::unique_ptr<ChunkDecoder> decoder_;
     };
 
-    DecoderPool(exr_const_context_t context, int part) : context_(context), part_(part) {}
+    DecoderPool(exr_const_context_t context, int part, bool zip_rows)
+        : context_(context), part_(part), zip_rows_(zip_rows) {}
     Lease borrow();
 
 private:
     exr_const_context_t context_;
     int part_;
+    bool zip_rows_;
     std::mutex mutex_;
     std::vector<std::unique_ptr<ChunkDecoder>> idle_;
 };

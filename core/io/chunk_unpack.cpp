@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
+#include <vector>
 
 #include "io/exr_header.h"
 #include "io/pixel_convert.h"
+#include "io/zip_rows.h"
 
 namespace relume::io {
 
@@ -109,6 +112,52 @@ void unpack_chunk(std::span<const std::byte> pixels, const Window& box, const Pa
                 }
             }
             samples += row_samples * static_cast<std::int64_t>(size_of(channel.type));
+        }
+    }
+}
+
+void unpack_zip_chunk(std::span<const std::byte> inflated, const Window& box, const Part& part, const Window& region,
+                      const Window& origin, std::span<const ReadTarget> targets) {
+    ZipRows rows(inflated.data(), inflated.size());
+    const std::int64_t begin = std::max(box.x, region.x), end = std::min(box.x_end(), region.x_end());
+    const auto width = static_cast<std::size_t>(box.width);
+    std::vector<std::byte> samples;
+    std::size_t skipped = 0;
+    for (int y = box.y; y < box.y_end(); ++y) {
+        for (std::size_t c = 0; c < part.channels.size(); ++c) {
+            const PixelType type = part.channels[c].type;
+            const std::size_t size = size_of(type), bytes = width * size;
+            const auto wanted = [c](const ReadTarget& t) { return static_cast<std::size_t>(t.channel) == c; };
+            const auto first = std::find_if(targets.begin(), targets.end(), wanted);
+            if (first == targets.end() || y < region.y || y >= region.y_end() || begin >= end) {
+                skipped += bytes;
+                continue;
+            }
+            rows.skip(std::exchange(skipped, 0));
+            const auto address = [&](const ReadTarget& t) {
+                return pixel_address(t.plane, begin - origin.x, y - origin.y);
+            };
+            const Plane& plane = first->plane;
+            const bool contiguous = plane.x_stride == static_cast<std::ptrdiff_t>(size_of(plane.type));
+            const bool alone = std::find_if(first + 1, targets.end(), wanted) == targets.end();
+            if (alone && contiguous && end - begin == box.width &&
+                (plane.type == type || (type == PixelType::half && plane.type == PixelType::float32))) {
+                if (plane.type == type) {
+                    rows.read(address(*first), bytes);
+                } else {
+                    rows.read_halves(address(*first), width);
+                }
+                continue;
+            }
+            samples.resize(bytes);
+            rows.read(samples.data(), bytes);
+            for (const ReadTarget& t : targets) {
+                if (wanted(t)) {
+                    convert_run({samples.data() + static_cast<std::size_t>(begin - box.x) * size, type,
+                                 static_cast<std::ptrdiff_t>(size)},
+                                {address(t), t.plane.type, t.plane.x_stride}, static_cast<std::size_t>(end - begin));
+                }
+            }
         }
     }
 }

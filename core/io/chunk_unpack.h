@@ -19,6 +19,10 @@ Window sampled_region(const Part& part, const Window& region, std::span<const Re
 void unpack_chunk(std::span<const std::byte> pixels, const Window& box, const Part& part, const Window& region,
                   const Window& origin, std::span<const ReadTarget> targets);
 
+/// The same for a chunk that was inflated and no more (no channel of the part is subsampled then).
+void unpack_zip_chunk(std::span<const std::byte> inflated, const Window& box, const Part& part, const Window& region,
+                      const Window& origin, std::span<const ReadTarget> targets);
+
 /// Zeroes the pixels of `origin` that lie outside `inside`, in every target.
 void clear_outside(const Window& origin, const Window& inside, std::span<const ReadTarget> targets);
 

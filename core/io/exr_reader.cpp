@@ -43,6 +43,13 @@ Window intersection(const Window& a, const Window& b) {
             static_cast<int>(bottom - top)};
 }
 
+// Whether ZipRows can walk through the part's chunks.
+bool can_walk_zip_rows(const Part& part) {
+    return (part.compression == Compression::zip || part.compression == Compression::zips) && !part.deep &&
+           std::all_of(part.channels.begin(), part.channels.end(),
+                       [](const Channel& c) { return c.x_sampling == 1 && c.y_sampling == 1; });
+}
+
 // A chunk of a part: the band of rows that starts at `y`, or the tile (column, row) of the full-size level.
 struct ChunkPosition {
     int column = 0;
@@ -57,7 +64,7 @@ struct ExrReader::Impl {
         context = open_core_context(file, path);
         header = read_header(context.get(), path, file.size(), limits);
         for (int i = 0; i < static_cast<int>(header.parts.size()); ++i) {
-            pools.emplace_back(context.get(), i);
+            pools.emplace_back(context.get(), i, can_walk_zip_rows(part_at(i)));
         }
     }
 
@@ -168,12 +175,16 @@ struct ExrReader::Impl {
             clear_core_error();
             fail_chunk(index, at, EXR_ERR_CORRUPT_CHUNK);
         }
-        const std::span<const std::byte> pixels = decoder->decode(chunk, code);
+        const DecodedChunk pixels = decoder->decode(chunk, code);
         if (code != EXR_ERR_SUCCESS) {
             decoder.discard();
             fail_chunk(index, at, code);
         }
-        unpack_chunk(pixels, box, part, region, origin, targets);
+        if (pixels.zip_rows) {
+            unpack_zip_chunk(pixels.bytes, box, part, region, origin, targets);
+        } else {
+            unpack_chunk(pixels.bytes, box, part, region, origin, targets);
+        }
     }
 
     void read_part(int index, const Window& origin, std::span<const ReadTarget> targets) const {
