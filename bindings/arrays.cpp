@@ -70,8 +70,6 @@ ArrayPlanes planes_for_reading(const py::array& array, const std::string& name) 
 
 ArrayPlanes planes_for_writing(const py::array& array, const std::string& name) {
     if (!array.writeable()) refuse(name + ": the array is read-only");
-    if (array.dtype().kind() != 'f')
-        refuse(name + ": results are float32 or float16, not " + py::str(array.dtype()).cast<std::string>());
     return planes_of(array, name, static_cast<const std::byte*>(array.data()));
 }
 

@@ -18,8 +18,8 @@ struct ArrayPlanes {
     std::vector<Plane> planes;  ///< one per component
 };
 
-/// Throws Error(value) that says how to convert when the array is of another kind: float32, float16 and, for reading,
-/// uint32 in native byte order are taken. `name` is what messages call it.
+/// Throws Error(value) that says how to convert when the array is of another kind: float32, float16 and uint32 in
+/// native byte order are taken. `name` is what messages call it.
 ArrayPlanes planes_for_reading(const py::array& array, const std::string& name);
 ArrayPlanes planes_for_writing(const py::array& array, const std::string& name);
 

@@ -6,13 +6,9 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
-#include <atomic>
-#include <cstring>
-#include <thread>
 
 #include "arrays.h"
 #include "bindings.h"
-#include "gbuffer/band_reader.h"
 #include "relume/error.h"
 #include "relume/image_reader.h"
 #include "relume/rig.h"
@@ -45,47 +41,27 @@ GBuffer from_arrays(const std::map<std::string, py::array>& arrays, const Rig& r
     return GBuffer::from_memory(size.width, size.height, channels, rig.gbuffer);
 }
 
-/// (H, W, C) in canonical form; T is float, or std::uint32_t for IDs.
-template <class T> py::array_t<T> pixels(const GBuffer& gbuffer, const ChannelRequest& request) {
-    const Window window = gbuffer.data_window();
-    const int components = request.components;
-    py::array_t<T> result({py::ssize_t{window.height}, py::ssize_t{window.width}, py::ssize_t{components}});
-    T* const data = result.mutable_data();
-
-    const py::gil_scoped_release release;
-    const BandReader reader(gbuffer, {&request, 1});
-    const int band = std::max(reader.band_rows(), 1);
-    std::atomic<int> next{0};
-    std::atomic<bool> failed{false};
-    std::exception_ptr failure;
-    const auto work = [&] {
-        try {
-            BandReader::Scratch scratch;
-            for (int top = next.fetch_add(band); top < window.height && !failed; top = next.fetch_add(band)) {
-                const int rows = std::min(band, window.height - top);
-                reader.load(window.y + top, rows, scratch);
-                for (int row = top; row < top + rows; ++row) {
-                    const auto planes = reader.segment(window.y + row, window.x, window.width, scratch);
-                    T* const out = data + static_cast<std::ptrdiff_t>(row) * window.width * components;
-                    for (int c = 0; c < components; ++c)
-                        for (int i = 0; i < window.width; ++i)
-                            std::memcpy(out + static_cast<std::ptrdiff_t>(i) * components + c,
-                                        planes[static_cast<std::size_t>(c)] + i, sizeof(T));
-                }
-            }
-        } catch (...) {
-            if (!failed.exchange(true)) failure = std::current_exception();
-        }
-    };
-    {
-        std::vector<std::jthread> threads;
-        const int bands = (window.height + band - 1) / band;
-        for (int k = 1; k < std::min(static_cast<int>(std::thread::hardware_concurrency()), bands); ++k)
-            threads.emplace_back(work);
-        work();
+/// Into arrays of (H, W, C), one for each request.
+void load(const GBuffer& gbuffer, const std::vector<ChannelRequest>& requests, const std::vector<py::array>& out,
+          int threads) {
+    std::vector<Plane> planes;
+    if (requests.size() != out.size()) throw Error(ErrorKind::value, "an array is needed for each channel");
+    for (std::size_t k = 0; k < out.size(); ++k) {
+        const std::string& name = requests[k].name;
+        const ArrayPlanes view = planes_for_writing(out[k], name);
+        const Window& window = gbuffer.data_window();
+        if (view.height != window.height || view.width != window.width ||
+            view.planes.size() != static_cast<std::size_t>(requests[k].components))
+            throw Error(ErrorKind::value, name + ": the array is " + std::to_string(view.height) + " × " +
+                                              std::to_string(view.width) + " × " + std::to_string(view.planes.size()) +
+                                              "; the channel is " + std::to_string(window.height) + " × " +
+                                              std::to_string(window.width) + " × " +
+                                              std::to_string(requests[k].components) +
+                                              " (height × width × components)");
+        planes.insert(planes.end(), view.planes.begin(), view.planes.end());
     }
-    if (failure) std::rethrow_exception(failure);
-    return result;
+    const py::gil_scoped_release release;
+    read_channels(gbuffer, requests, planes, threads);
 }
 
 /// Calls a Python function of one path that returns (float32 (H, W, C), names of the channels, bits of integers or 0).
@@ -154,6 +130,30 @@ void bind_gbuffer(py::module_& module) {
         .def_readonly("reason", &ChannelInfo::reason, "Why it is taken so.")
         .def("__repr__", [](const ChannelInfo& c) { return "<ChannelInfo " + c.name + ": " + c.interpretation + ">"; });
 
+    py::class_<ChannelRequest>(module, "ChannelRequest", "What is wanted of a G-buffer.")
+        .def_static(
+            "semantic",
+            [](const std::string& name, int components) {
+                return ChannelRequest{ChannelRequest::Kind::semantic, name, components, {}, 1, 0};
+            },
+            py::arg("name"), py::arg("components"), "A semantic channel, decoded, in world and working space.")
+        .def_static(
+            "id",
+            [](const std::string& name) { return ChannelRequest{ChannelRequest::Kind::id, name, 1, {}, 1, 0}; },
+            py::arg("name"), "IDs: uint32.")
+        .def_static(
+            "raw",
+            [](const std::string& name, int components) {
+                return ChannelRequest{ChannelRequest::Kind::raw, name, components, {}, 1, 0};
+            },
+            py::arg("name"), py::arg("components"), "A channel or layer of the file.")
+        .def_static(
+            "matte",
+            [](const std::vector<std::string>& patterns) {
+                return ChannelRequest{ChannelRequest::Kind::matte, "matte", 1, patterns, 1, 0};
+            },
+            py::arg("patterns"), "Coverage of the Cryptomatte names that match.");
+
     py::class_<GBuffer>(module, "GBuffer", "An understood G-buffer; relume.GBuffer is its face.")
         .def_static(
             "read",
@@ -178,30 +178,8 @@ void bind_gbuffer(py::module_& module) {
         .def_property_readonly("camera_error", &GBuffer::camera_error)
         .def_property_readonly("notes", &GBuffer::notes)
         .def_property_readonly("cryptomatte", &GBuffer::cryptomatte)
-        .def(
-            "semantic",
-            [](const GBuffer& g, const std::string& name, int components) {
-                return pixels<float>(g, {ChannelRequest::Kind::semantic, name, components, {}, 1, 0});
-            },
-            py::arg("name"), py::arg("components"), "(H, W, C) float32, canonical.")
-        .def(
-            "raw",
-            [](const GBuffer& g, const std::string& name, int components) {
-                return pixels<float>(g, {ChannelRequest::Kind::raw, name, components, {}, 1, 0});
-            },
-            py::arg("name"), py::arg("components"), "(H, W, C) float32 of a channel or layer of the file.")
-        .def(
-            "ids",
-            [](const GBuffer& g, const std::string& name) {
-                return pixels<std::uint32_t>(g, {ChannelRequest::Kind::id, name, 1, {}, 1, 0});
-            },
-            py::arg("name"), "(H, W, 1) uint32.")
-        .def(
-            "matte",
-            [](const GBuffer& g, const std::vector<std::string>& patterns) {
-                return pixels<float>(g, {ChannelRequest::Kind::matte, "matte", 1, patterns, 1, 0});
-            },
-            py::arg("patterns"), "(H, W, 1) float32: coverage of the Cryptomatte names that match.");
+        .def("load", &load, py::arg("requests"), py::arg("out"), py::arg("threads"),
+             "Channels in canonical form, in one pass over the file, into arrays of (H, W, C).");
 
     module.def(
         "set_image_reader",

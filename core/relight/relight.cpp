@@ -10,7 +10,7 @@
 #include "relight/output_header.h"
 #include "relight/plan.h"
 #include "relight/shade_pass.h"
-#include "relight/workers.h"
+#include "threads/workers.h"
 #include "relume/error.h"
 
 namespace relume {

@@ -17,6 +17,7 @@ import numpy.typing
 __all__: list[str] = [
     "Camera",
     "ChannelInfo",
+    "ChannelRequest",
     "ExrFile",
     "ExrPart",
     "GBuffer",
@@ -324,6 +325,31 @@ class ChannelInfo:
         The file's channels.
         """
 
+class ChannelRequest:
+    """
+    What is wanted of a G-buffer.
+    """
+    @staticmethod
+    def id(name: str) -> ChannelRequest:
+        """
+        IDs: uint32.
+        """
+    @staticmethod
+    def matte(patterns: collections.abc.Sequence[str]) -> ChannelRequest:
+        """
+        Coverage of the Cryptomatte names that match.
+        """
+    @staticmethod
+    def raw(name: str, components: typing.SupportsInt | typing.SupportsIndex) -> ChannelRequest:
+        """
+        A channel or layer of the file.
+        """
+    @staticmethod
+    def semantic(name: str, components: typing.SupportsInt | typing.SupportsIndex) -> ChannelRequest:
+        """
+        A semantic channel, decoded, in world and working space.
+        """
+
 class GBuffer:
     """
     An understood G-buffer; relume.GBuffer is its face.
@@ -340,25 +366,14 @@ class GBuffer:
         """
         With the options of the rig's [gbuffer] and [camera].
         """
-    def ids(self, name: str) -> numpy.typing.NDArray[numpy.uint32]:
+    def load(
+        self,
+        requests: collections.abc.Sequence[ChannelRequest],
+        out: collections.abc.Sequence[numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]],
+        threads: typing.SupportsInt | typing.SupportsIndex,
+    ) -> None:
         """
-        (H, W, 1) uint32.
-        """
-    def matte(self, patterns: collections.abc.Sequence[str]) -> numpy.typing.NDArray[numpy.float32]:
-        """
-        (H, W, 1) float32: coverage of the Cryptomatte names that match.
-        """
-    def raw(
-        self, name: str, components: typing.SupportsInt | typing.SupportsIndex
-    ) -> numpy.typing.NDArray[numpy.float32]:
-        """
-        (H, W, C) float32 of a channel or layer of the file.
-        """
-    def semantic(
-        self, name: str, components: typing.SupportsInt | typing.SupportsIndex
-    ) -> numpy.typing.NDArray[numpy.float32]:
-        """
-        (H, W, C) float32, canonical.
+        Channels in canonical form, in one pass over the file, into arrays of (H, W, C).
         """
     @property
     def camera(self) -> Camera | None: ...

@@ -16,7 +16,7 @@ from relume.errors import ArgumentError, ChannelError
 from relume.rig import Rig
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike, DTypeLike, NDArray
 
     from relume._relume import Camera, ChannelInfo
 
@@ -199,8 +199,55 @@ class GBuffer:
     def __contains__(self, name: object) -> bool:
         return any(info.name == name for info in self.channels)
 
+    def load(
+        self,
+        *names: str,
+        dtype: DTypeLike = np.float32,
+        out: Mapping[str, NDArray[Any]] | None = None,
+        threads: int | None = None,
+    ) -> dict[str, NDArray[Any]]:
+        """Channels in canonical form, all in one multi-threaded pass over the file. The GIL is released meanwhile.
+
+        Args:
+            names: semantic names of ``channels``, or names of channels or layers in the file.
+            dtype: float32 or float16 of the arrays that are made; IDs are uint32 always.
+            out: arrays to read into, by name: float32, float16 or (IDs) uint32, any strides. What is not given is made.
+            threads: how many; as many as the process may use when None.
+
+        Returns:
+            By name (H, W, 3) or (H, W) arrays, views of planar memory. Row 0 is the top of the data window. Normals are
+            unit, in world space, 0 on background; colours linear, in the working space; both divided by coverage.
+
+        Raises:
+            ChannelError: there is none of that name.
+            ArgumentError: an array of ``out`` has another shape or dtype.
+        """
+        requests = [self._request(name) for name in names]
+        given = dict(out or {})
+        height, width = self.shape
+        arrays: dict[str, NDArray[Any]] = {}
+        for name, (_, components, kind) in zip(names, requests, strict=True):
+            if name in given:
+                arrays[name] = given.pop(name)
+                continue
+            planar = np.empty((components, height, width), np.uint32 if kind == "id" else dtype)
+            arrays[name] = planar[0] if components == 1 else np.moveaxis(planar, 0, -1)
+        if given:
+            raise ArgumentError(f"out has '{next(iter(given))}', which is none of the channels to load")
+        self._gbuffer.load([r for r, _, _ in requests], list(arrays.values()), _thread_count(threads))
+        return arrays
+
+    def _request(self, name: str) -> tuple[_relume.ChannelRequest, int, str]:
+        """What to ask the core for, its components, and its kind."""
+        for info in self.channels:
+            if info.name == name:
+                if name in _IDS:
+                    return _relume.ChannelRequest.id(name), 1, "id"
+                return _relume.ChannelRequest.semantic(name, info.components), info.components, "semantic"
+        return _relume.ChannelRequest.raw(name, 1), 1, "raw"
+
     def channel(self, name: str) -> NDArray[Any]:
-        """A channel in canonical form.
+        """One channel in canonical form: ``load(name)[name]``.
 
         Args:
             name: a semantic name of ``channels``, or the name of a channel or layer in the file.
@@ -212,16 +259,12 @@ class GBuffer:
         Raises:
             ChannelError: there is none of that name.
         """
-        for info in self.channels:
-            if info.name == name:
-                if name in _IDS:
-                    return self._gbuffer.ids(name)[..., 0]
-                array = self._gbuffer.semantic(name, info.components)
-                return array[..., 0] if info.components == 1 else array
         try:
-            return self._gbuffer.raw(name, 1)[..., 0]
+            return self.load(name)[name]
         except ChannelError:
             names = [info.name for info in self.channels]
+            if name in names:
+                raise
             near = _relume.nearest_name(name, names)
             hint = f"did you mean '{near}'?" if near else f"there are {', '.join(names)}"
             raise ChannelError(f"the G-buffer has no channel '{name}'; {hint}") from None
@@ -238,11 +281,21 @@ class GBuffer:
         Raises:
             ChannelError: there is no Cryptomatte.
         """
-        return self._gbuffer.matte(list(patterns))[..., 0]
+        coverage = np.empty(self.shape, np.float32)
+        self._gbuffer.load([_relume.ChannelRequest.matte(list(patterns))], [coverage], 0)
+        return coverage
 
     def __repr__(self) -> str:
         height, width = self.shape
         return f"<GBuffer {width} × {height}: {', '.join(info.name for info in self.channels)}>"
+
+
+def _thread_count(threads: int | None) -> int:
+    if threads is None:
+        return 0
+    if threads < 1:
+        raise ArgumentError(f"threads is {threads}; give 1 or more, or None for as many as the process may use")
+    return threads
 
 
 def _without_copy(name: str, array: object) -> NDArray[Any]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from relume import _relume
 from relume.errors import ArgumentError, UnknownNameError
-from relume.gbuffer import GBuffer
+from relume.gbuffer import GBuffer, _thread_count
 from relume.rig import Rig
 
 if TYPE_CHECKING:
@@ -75,14 +75,6 @@ def _gbuffer_of(gbuffer: AnyGBuffer, rig: Rig) -> GBuffer:
     return gbuffer if isinstance(gbuffer, GBuffer) else GBuffer.read(gbuffer, rig=rig)
 
 
-def _threads(threads: int | None) -> int:
-    if threads is None:
-        return 0
-    if threads < 1:
-        raise ArgumentError(f"threads is {threads}; give 1 or more, or None for as many as the process may use")
-    return threads
-
-
 def relight(
     gbuffer: AnyGBuffer,
     rig: AnyRig,
@@ -128,7 +120,7 @@ def relight(
     if given:
         name = next(iter(given))
         raise UnknownNameError(f'out["{name}"]: the rig makes no such AOV; {_nearest(name, list(arrays))}')
-    report = _relume.relight(gbuffer._gbuffer, rig._rig, arrays, _threads(threads), progress)
+    report = _relume.relight(gbuffer._gbuffer, rig._rig, arrays, _thread_count(threads), progress)
     return Relit(arrays, report)
 
 
@@ -156,4 +148,4 @@ def relight_file(
     """
     rig = _rig_of(rig)
     gbuffer = _gbuffer_of(gbuffer, rig)
-    return _relume.relight_file(gbuffer._gbuffer, rig._rig, Path(path), _threads(threads), progress)
+    return _relume.relight_file(gbuffer._gbuffer, rig._rig, Path(path), _thread_count(threads), progress)

@@ -233,6 +233,31 @@ def test_scene(sdf: Path) -> None:
     assert matte.max() == pytest.approx(1, abs=1e-3)
 
 
+def test_load_many_channels_in_one_pass(sdf: Path) -> None:
+    gbuffer = GBuffer.read(sdf)
+    loaded = gbuffer.load("normal", "roughness", "ViewLayer.albedo.R")
+    for name, array in loaded.items():
+        np.testing.assert_array_equal(array, gbuffer[name])
+        assert array.dtype == np.float32
+    assert loaded["normal"].strides[2] == 54 * 96 * 4, "planar memory"
+
+    half = gbuffer.load("normal", dtype=np.float16, threads=1)["normal"]
+    np.testing.assert_array_equal(half, loaded["normal"].astype(np.float16))
+
+    mine = np.zeros((54, 96, 3), np.float32)
+    assert gbuffer.load("normal", out={"normal": mine})["normal"] is mine
+    np.testing.assert_array_equal(mine, loaded["normal"])
+
+    with pytest.raises(relume.ArgumentError, match=r"normal: the array is 54 × 95 × 3; the channel is 54 × 96 × 3"):
+        gbuffer.load("normal", out={"normal": np.zeros((54, 95, 3), np.float32)})
+    with pytest.raises(relume.ArgumentError, match=r"'roughness', which is none"):
+        gbuffer.load("normal", out={"roughness": mine[..., 0]})
+    with pytest.raises(relume.ArgumentError, match=r"threads is 0"):
+        gbuffer.load("normal", threads=0)
+    with pytest.raises(relume.ChannelError):
+        gbuffer.load("normal", "no such channel")
+
+
 def test_exr_file(flat: Path) -> None:
     file = relume.ExrFile(flat)
     (part,) = file.parts

@@ -143,4 +143,11 @@ private:
     std::unique_ptr<Impl> impl_;
 };
 
+/// Reads channels of the whole data window in canonical form, all in one pass over the file on `threads` threads (0: as
+/// many as the process may use). `out`: a plane for each component of each request, in order, (0, 0) the top left pixel
+/// of the data window, of any type and strides (IDs into float32 and half are rounded). Throws Error(channel) for a
+/// request that nothing answers, Error(value) for planes that do not fit, Error(file) and Error(format) from reading.
+RELUME_API void read_channels(const GBuffer& gbuffer, std::span<const ChannelRequest> requests,
+                              std::span<const Plane> out, int threads = 0);
+
 }  // namespace relume

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "relight/workers.h"
+#include "threads/workers.h"
 
 #if defined(__linux__)
 #  include <sched.h>
