@@ -52,12 +52,11 @@ void load(const GBuffer& gbuffer, const std::vector<ChannelRequest>& requests, c
         const Window& window = gbuffer.data_window();
         if (view.height != window.height || view.width != window.width ||
             view.planes.size() != static_cast<std::size_t>(requests[k].components))
-            throw Error(ErrorKind::value, name + ": the array is " + std::to_string(view.height) + " × " +
-                                              std::to_string(view.width) + " × " + std::to_string(view.planes.size()) +
-                                              "; the channel is " + std::to_string(window.height) + " × " +
-                                              std::to_string(window.width) + " × " +
-                                              std::to_string(requests[k].components) +
-                                              " (height × width × components)");
+            throw Error(ErrorKind::value,
+                        name + ": the array is " + std::to_string(view.height) + " × " + std::to_string(view.width) +
+                            " × " + std::to_string(view.planes.size()) + "; the channel is " +
+                            std::to_string(window.height) + " × " + std::to_string(window.width) + " × " +
+                            std::to_string(requests[k].components) + " (height × width × components)");
         planes.insert(planes.end(), view.planes.begin(), view.planes.end());
     }
     const py::gil_scoped_release release;
@@ -138,8 +137,7 @@ void bind_gbuffer(py::module_& module) {
             },
             py::arg("name"), py::arg("components"), "A semantic channel, decoded, in world and working space.")
         .def_static(
-            "id",
-            [](const std::string& name) { return ChannelRequest{ChannelRequest::Kind::id, name, 1, {}, 1, 0}; },
+            "id", [](const std::string& name) { return ChannelRequest{ChannelRequest::Kind::id, name, 1, {}, 1, 0}; },
             py::arg("name"), "IDs: uint32.")
         .def_static(
             "raw",

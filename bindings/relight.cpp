@@ -28,8 +28,8 @@ RelightReport relight_arrays(const GBuffer& gbuffer, const Rig& rig, const std::
     for (const auto& [name, array] : out) {
         const std::string what = "out[\"" + name + "\"]";
         if (array.dtype().kind() != 'f')
-            throw Error(ErrorKind::value, what + ": results are float32 or float16, not " +
-                                              py::str(array.dtype()).cast<std::string>());
+            throw Error(ErrorKind::value,
+                        what + ": results are float32 or float16, not " + py::str(array.dtype()).cast<std::string>());
         ArrayPlanes view = planes_for_writing(array, what);
         const Window& window = gbuffer.data_window();
         if (view.height != window.height || view.width != window.width)

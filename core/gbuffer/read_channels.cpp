@@ -20,8 +20,8 @@ void read_channels(const GBuffer& gbuffer, std::span<const ChannelRequest> reque
         types.insert(types.end(), static_cast<std::size_t>(request.components),
                      request.kind == ChannelRequest::Kind::id ? PixelType::uint32 : PixelType::float32);
     if (types.size() != out.size())
-        throw Error(ErrorKind::value, std::to_string(out.size()) + " planes given for " + std::to_string(types.size()) +
-                                          " components");
+        throw Error(ErrorKind::value,
+                    std::to_string(out.size()) + " planes given for " + std::to_string(types.size()) + " components");
     for (const Plane& plane : out)
         if (plane.data == nullptr) throw Error(ErrorKind::value, "a plane without memory");
 

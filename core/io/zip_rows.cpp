@@ -48,8 +48,8 @@ __attribute__((target("avx2"))) std::uint8_t sum_bytes_avx2(const std::uint8_t* 
     __m256i sum = zero;
     std::size_t i = 0;
     for (; i + 32 <= count; i += 32)
-        sum = _mm256_add_epi64(
-            sum, _mm256_sad_epu8(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(bytes + i)), zero));
+        sum = _mm256_add_epi64(sum,
+                               _mm256_sad_epu8(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(bytes + i)), zero));
     alignas(32) std::uint64_t lanes[4];
     _mm256_store_si256(reinterpret_cast<__m256i*>(lanes), sum);
     return static_cast<std::uint8_t>(lanes[0] + lanes[1] + lanes[2] + lanes[3] +
@@ -64,8 +64,8 @@ __attribute__((target("avx2,f16c"))) std::size_t read_pairs_avx2(Cursor& at, std
         return _mm_set1_epi16(flip != 0 ? std::int16_t{0x0080} : static_cast<std::int16_t>(0x8000));
     };
     const __m256i flip = _mm256_set_m128i(flips(at.odd_flip), flips(at.even_flip));
-    __m256i carry = _mm256_set_m128i(_mm_set1_epi8(static_cast<char>(at.odd_sum)),
-                                     _mm_set1_epi8(static_cast<char>(at.even_sum)));
+    __m256i carry =
+        _mm256_set_m128i(_mm_set1_epi8(static_cast<char>(at.odd_sum)), _mm_set1_epi8(static_cast<char>(at.even_sum)));
     std::size_t i = 0;
     for (; i + 16 <= count; i += 16) {
         __m256i x = _mm256_set_m128i(_mm_loadu_si128(reinterpret_cast<const __m128i*>(at.odd + i)),

@@ -10,8 +10,8 @@
 #include "relight/output_header.h"
 #include "relight/plan.h"
 #include "relight/shade_pass.h"
-#include "threads/workers.h"
 #include "relume/error.h"
+#include "threads/workers.h"
 
 namespace relume {
 

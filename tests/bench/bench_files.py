@@ -60,7 +60,9 @@ def rig_text(lights: int) -> str:
     text = f"version = 1\n[camera]\nmatrix = [{matrix}]\nfov = {frame.FOV}\n"
     text += "[[shader]]\nuse = 'default_lit'\nspecular = 0.5\n"
     for k, (position, intensity) in enumerate(frame.lights(lights)):
-        text += f"[[light]]\nname = 'l{k}'\ntype = 'point'\nposition = {list(position)}\nintensity = {list(intensity)}\n"
+        text += (
+            f"[[light]]\nname = 'l{k}'\ntype = 'point'\nposition = {list(position)}\nintensity = {list(intensity)}\n"
+        )
     return text
 
 
@@ -177,4 +179,3 @@ def run(repeats: int) -> None:
     for what, value, sign, bar in ratios:
         met = value <= bar if sign == "≤" else value >= bar
         print(f"  {value:6.2f} {what} (bar {sign} {bar}){'' if met else '  MISSED'}")
-

@@ -58,13 +58,13 @@ def openexr(exr: str, rig: str, out: str, threads: int, repeats: int) -> dict[st
 
 
 def openimageio(exr: str, rig: str, out: str, threads: int, repeats: int) -> dict[str, list[float]]:
-    import OpenImageIO as oiio
+    import OpenImageIO
 
-    oiio.attribute("threads", threads)
+    OpenImageIO.attribute("threads", threads)
 
     def read() -> np.ndarray:
-        image = oiio.ImageInput.open(exr)
-        pixels = image.read_image(oiio.FLOAT)
+        image = OpenImageIO.ImageInput.open(exr)
+        pixels = image.read_image(OpenImageIO.FLOAT)
         image.close()
         return pixels
 

@@ -87,9 +87,8 @@ int main(int argc, char** argv) {
             const char* channels[] = {"R", "G", "B", "A"};
             for (std::size_t k = 0; k < 4; ++k) {
                 header.channels().insert(channels[k], Imf::Channel(Imf::HALF));
-                buffer.insert(channels[k],
-                              Imf::Slice(Imf::HALF, reinterpret_cast<char*>(&rgba[k * planes[0].size()]), 2,
-                                         2 * static_cast<std::size_t>(width)));
+                buffer.insert(channels[k], Imf::Slice(Imf::HALF, reinterpret_cast<char*>(&rgba[k * planes[0].size()]),
+                                                      2, 2 * static_cast<std::size_t>(width)));
             }
             Imf::OutputFile file(argv[2], header);
             file.setFrameBuffer(buffer);

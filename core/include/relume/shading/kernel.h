@@ -141,8 +141,8 @@ template <class S, class T> struct SlotSources {
 template <class S, class T>
 RELUME_INLINE void load_params(typename S::template Params<T>& params, const SlotSources<S, T>& from, int i) {
     T* slots = reinterpret_cast<T*>(&params);
-    static_for<kFloatSlots<S>>(
-        [&](auto k) RELUME_INLINE_LAMBDA { slots[k] = load<T>(from.base[k] + (i & from.mask[k])); });
+    static_for<kFloatSlots<S>>([&](auto k)
+                                   RELUME_INLINE_LAMBDA { slots[k] = load<T>(from.base[k] + (i & from.mask[k])); });
 }
 
 /// The sum of a pixel's parameters, on two chains: one would be as long as the shading.
@@ -153,22 +153,22 @@ template <class S, class T> RELUME_INLINE T sum_of(const typename S::template Pa
     return sum[0] + sum[1];
 }
 
-/// Fetches the line that the batch kPrefetchDistance pixels on will read: a CPU's own prefetching follows a dozen planes
-/// too late. It may point past the plane, where nothing is fetched.
+/// Fetches the line that the batch kPrefetchDistance pixels on will read: a CPU's own prefetching follows a dozen
+/// planes too late. It may point past the plane, where nothing is fetched.
 template <class T> RELUME_INLINE void prefetch_ahead(const float* p) {
     constexpr int kPrefetchDistance = 256, kLine = 16;
     if constexpr (kWidth<T> == 1) return;  // sixteen times a line, for nothing
     for (int k = 0; k < kWidth<T> || k == 0; k += kLine) __builtin_prefetch(p + kPrefetchDistance + k);
 }
 
-template <class S, class T> RELUME_INLINE void prefetch_inputs(const ShaderTile& tile, const SlotSources<S, T>& from, int i) {
+template <class S, class T>
+RELUME_INLINE void prefetch_inputs(const ShaderTile& tile, const SlotSources<S, T>& from, int i) {
     for (int k = 0; k < 3; ++k) {
         prefetch_ahead<T>(tile.normal[k] + i);
         if (tile.position[0] != nullptr) prefetch_ahead<T>(tile.position[k] + i);
     }
-    static_for<kFloatSlots<S>>([&](auto k) RELUME_INLINE_LAMBDA {
-        prefetch_ahead<T>(from.base[k] + (i & from.mask[k]));
-    });
+    static_for<kFloatSlots<S>>([&](auto k)
+                                   RELUME_INLINE_LAMBDA { prefetch_ahead<T>(from.base[k] + (i & from.mask[k])); });
 }
 
 template <class T> RELUME_INLINE Vec3<T> load3(const float* const (&planes)[3], int i) {
@@ -294,8 +294,8 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& s
         }
     }
 
-    // What the lights do not need is prepared only now, from the parameters read again (the cache has them): kept over the
-    // loop it would be stored and loaded. What of the two prepare() is not used, the optimiser drops.
+    // What the lights do not need is prepared only now, from the parameters read again (the cache has them): kept over
+    // the loop it would be stored and loaded. What of the two prepare() is not used, the optimiser drops.
     typename S::template Params<T> params_after;
     load_params<S, T>(params_after, sources, opaque(i));
     poison = poison + sum_of<S, T>(params_after);
@@ -446,7 +446,8 @@ template <class S, class T> __attribute__((flatten)) static void shade_tile_with
     tile->nonfinite = nonfinite;
 }
 
-/// The number type for a tile: one batch or a pair of them, by the light count alone, so that all tiles of a frame agree.
+/// The number type for a tile: one batch or a pair of them, by the light count alone, so that all tiles of a frame
+/// agree.
 template <class S, class T> static void shade_tile(ShaderTile* tile) {
 #if defined(RELUME_ISA_BATCH)
 #  if defined(__AVX512F__)

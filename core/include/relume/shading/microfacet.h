@@ -17,8 +17,8 @@ template <class T> RELUME_INLINE T alpha_from_roughness(T roughness) {
     return max(r * r, constant<T>(kMinAlpha));
 }
 
-/// Schlick 1994: the weight (1 − x)⁵ of F90 against F0. The cosine lies in [0, 1] up to rounding, for which the absolute
-/// value is cheaper than a clamp.
+/// Schlick 1994: the weight (1 − x)⁵ of F90 against F0. The cosine lies in [0, 1] up to rounding, for which the
+/// absolute value is cheaper than a clamp.
 template <class T> RELUME_INLINE T schlick_weight(T cosine) { return pow5(abs(T(1.f) - cosine)); }
 
 /// The bracket of GGX: D = a²/(π·t²) with t = sin²θh + a²·cos²θh (Walter et al. 2007, eq. 33).
