@@ -144,6 +144,7 @@ void bind_exr(py::module_& module) {
         .def_property_readonly("parts", [](const ExrReader& r) { return r.header().parts; })
         .def("read", &read<float>, py::arg("part"), py::arg("channels"),
              "(H, W, C) float32 over the part's data window.")
+        .def("is_whole", &ExrReader::is_whole, "Whether every chunk is in the file, without decoding any.")
         .def("read_uint32", &read<std::uint32_t>, py::arg("part"), py::arg("channels"), "(H, W, C) uint32: IDs.");
 }
 

@@ -109,6 +109,9 @@ public:
     /// Full rows aligned to rows_per_chunk are the fast case. Throws Error(format) naming file, part and chunk.
     void read(const Window& region, std::span<const ReadTarget> targets) const;
 
+    /// Whether every chunk of every part is in the file, without decoding any: false for what a killed writer left.
+    bool is_whole() const;
+
 private:
     struct Impl;
     std::unique_ptr<Impl> impl_;

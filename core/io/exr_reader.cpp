@@ -209,6 +209,26 @@ struct ExrReader::Impl {
         }
     }
 
+    bool has_chunk(int part, ChunkPosition at) const {
+        exr_chunk_info_t chunk{};
+        return locate(part, at, chunk) == EXR_ERR_SUCCESS && chunk.data_offset > 0 &&
+               chunk.data_offset + chunk.packed_size <= static_cast<std::uint64_t>(file.size());
+    }
+
+    bool has_all_chunks(int part) const {
+        const Part& p = part_at(part);
+        const int columns = p.tiled ? (p.data_window.width - 1) / p.tile_width + 1 : 1;
+        const int rows = p.tiled ? (p.data_window.height - 1) / p.tile_height + 1 : band_count(part);
+        for (int row = 0; row < rows; ++row) {
+            for (int column = 0; column < columns; ++column) {
+                if (!has_chunk(part, {column, row})) {
+                    return false;
+                }
+            }
+        }
+        return true;
+    }
+
     std::filesystem::path path;
     InputFile file;
     CoreContext context;
@@ -226,6 +246,15 @@ ExrReader& ExrReader::operator=(ExrReader&&) noexcept = default;
 const Header& ExrReader::header() const { return impl_->header; }
 
 const std::filesystem::path& ExrReader::path() const { return impl_->path; }
+
+bool ExrReader::is_whole() const {
+    bool whole = true;
+    for (int part = 0; whole && part < static_cast<int>(impl_->header.parts.size()); ++part) {
+        whole = impl_->part_at(part).deep || impl_->has_all_chunks(part);
+    }
+    clear_core_error();
+    return whole;
+}
 
 void ExrReader::read(const Window& region, std::span<const ReadTarget> targets) const {
     if (region.empty()) {

@@ -465,6 +465,10 @@ class ExrFile:
     An open EXR; channels are read when asked for.
     """
     def __init__(self, path: os.PathLike[str] | str | bytes) -> None: ...
+    def is_whole(self) -> bool:
+        """
+        Whether every chunk is in the file, without decoding any.
+        """
     def read(
         self, part: typing.SupportsInt | typing.SupportsIndex, channels: collections.abc.Sequence[str]
     ) -> numpy.typing.NDArray[numpy.float32]:

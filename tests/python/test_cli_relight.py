@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import pty
 import shutil
@@ -60,13 +61,51 @@ def test_other_patterns_and_all_frames(shot: Path, source: str, target: str) -> 
 
 
 def test_skip_existing(shot: Path) -> None:
-    (shot / "out.1002.exr").write_bytes(b"old")
-    ran = relight(shot, "shot.####.exr", "-o", "out.####.exr", "--skip-existing")
+    sequence = ["shot.####.exr", "-o", "out.####.exr", "--skip-existing"]
+    assert relight(shot, *sequence).code == 0
+    first = {name: (shot / name).stat().st_mtime_ns for name in outputs(shot)}
+
+    # Nothing has changed.
+    ran = relight(shot, *sequence)
     assert ran.code == 0, ran
-    assert "3 of 4 frames relit" in ran.err and "1 there already" in ran.err
-    assert (shot / "out.1002.exr").read_bytes() == b"old"
-    assert relight(shot, "shot.####.exr", "-o", "out.####.exr").code == 0
-    assert (shot / "out.1002.exr").read_bytes() != b"old"
+    assert "0 of 4 frames relit" in ran.err and "4 there already" in ran.err
+    assert {name: (shot / name).stat().st_mtime_ns for name in outputs(shot)} == first
+
+    # One is half there, one is older than its input.
+    whole = (shot / "out.1002.exr").read_bytes()
+    (shot / "out.1002.exr").write_bytes(whole[:-40])
+    os.utime(shot / "out.1003.exr", (1, 1))
+    ran = relight(shot, *sequence)
+    assert "2 of 4 frames relit" in ran.err and "2 there already" in ran.err
+    assert (shot / "out.1002.exr").read_bytes() == whole
+
+    # Another rig.
+    ran = relight(shot, *sequence, "--set", "light.key.exposure=1")
+    assert "4 of 4 frames relit" in ran.err
+
+
+def test_json_events(shot: Path) -> None:
+    (shot / "shot.1003.exr").write_bytes(b"broken")
+    ran = relight(shot, "shot.####.exr", "-o", "out.####.exr", "--json", "--quiet")
+    assert ran.code == 1
+    events = [json.loads(line) for line in ran.out.splitlines()]
+    assert events[0] == {"event": "start", "frames": 4}
+    frames = {e["frame"]: e for e in events if e["event"] == "frame"}
+    assert {n: e["status"] for n, e in frames.items()} == {1001: "done", 1002: "done", 1003: "failed", 1004: "done"}
+    assert "shot.1003.exr" in frames[1003]["error"]
+    assert frames[1001]["shaded"] == 24 and frames[1001]["output"] == "out.1001.exr" and frames[1001]["seconds"] > 0
+    summary = events[-1]
+    assert summary["event"] == "summary" and summary["failed"] == [1003] and summary["done"] == 3
+    assert summary["frames_per_second"] > 0 and not summary["interrupted"]
+
+
+def test_a_summary_names_the_frames(shot: Path) -> None:
+    (shot / "shot.1003.exr").unlink()
+    ran = relight(shot, "shot.####.exr", "-o", "out.####.exr", "--frames", "1001-1005")
+    assert ran.code == 1
+    table = {line.split()[0]: line.split()[1:] for line in ran.err.splitlines() if line.startswith(("relit", "failed"))}
+    assert table["relit"] == ["3", "1001-1002,", "1004"]
+    assert table["failed"] == ["2", "1003,", "1005"]
 
 
 def test_settings(shot: Path) -> None:
