@@ -22,12 +22,21 @@ if TYPE_CHECKING:
     from relume._relume import Report
     from relume.rig import Rig
 
-__all__ = ["Frame", "FrameResult", "Status", "inputs_of", "is_up_to_date", "relight_frame", "relight_frames"]
+__all__ = [
+    "Frame",
+    "FrameReport",
+    "FrameResult",
+    "Status",
+    "inputs_of",
+    "is_up_to_date",
+    "relight_frame",
+    "relight_frames",
+]
 
 Status = Literal["done", "skipped", "failed", "cancelled"]
 
 #: What is wrong with the rig is so for every frame.
-_MISFITS = (RigError, ParameterError)
+MISFITS = (RigError, ParameterError)
 
 #: While one frame's threads run out of rows, is renamed, and the next one's header is read, another is shaded.
 FRAMES_IN_FLIGHT = 2
@@ -48,6 +57,25 @@ class Frame:
 
 
 @dataclass(frozen=True)
+class FrameReport:
+    """What happened to the pixels of a frame, as plain data."""
+
+    pixels: int
+    shaded: int
+    background: int
+    #: Pixels with NaN or infinity, by channel; they are left black.
+    nonfinite: dict[str, int]
+    warnings: list[str]
+
+    @staticmethod
+    def of(report: Report) -> FrameReport:
+        """Of the core's report."""
+        return FrameReport(
+            report.pixels, report.shaded, report.background, dict(report.nonfinite), list(report.warnings)
+        )
+
+
+@dataclass(frozen=True)
 class FrameResult:
     """What became of a frame."""
 
@@ -55,7 +83,7 @@ class FrameResult:
     status: Status
     #: Wall seconds from the opening of the G-buffer to the output under its name.
     seconds: float = 0.0
-    report: Report | None = None
+    report: FrameReport | None = None
     #: Why it failed.
     error: BaseException | None = None
 
@@ -84,9 +112,10 @@ def is_up_to_date(frame: Frame, rig: Rig) -> bool:
 
 def relight_frame(
     frame: Frame, rig: Rig, threads: int | None = None, progress: Callable[[float], object] | None = None
-) -> Report:
+) -> FrameReport:
     """Relight one frame into its file. Raises what reading, shading and writing raise."""
-    return relight_file(GBuffer.read(frame.source, rig=rig, frame=frame.number), rig, frame.output, threads, progress)
+    gbuffer = GBuffer.read(frame.source, rig=rig, frame=frame.number)
+    return FrameReport.of(relight_file(gbuffer, rig, frame.output, threads, progress))
 
 
 class _Stop(BaseException):
@@ -135,7 +164,7 @@ def relight_frames(
                 raise _Stop
             events.put((frame, share))
 
-        def result(status: Status, report: Report | None = None, error: BaseException | None = None) -> None:
+        def result(status: Status, report: FrameReport | None = None, error: BaseException | None = None) -> None:
             events.put(FrameResult(frame, status, time.perf_counter() - start, report, error))
 
         try:
@@ -146,7 +175,7 @@ def relight_frames(
         except _Stop:
             result("cancelled")
         except BaseException as error:
-            if isinstance(error, _MISFITS):
+            if isinstance(error, MISFITS):
                 stop.set()
             result("failed", error=error)
 
@@ -167,7 +196,7 @@ def relight_frames(
             while not events.empty():
                 _take(events, results, None, on_result, 0)
     for result in results:
-        if isinstance(result.error, _MISFITS):
+        if isinstance(result.error, MISFITS):
             raise result.error
     return results
 
@@ -186,7 +215,7 @@ def _take(
         return
     if isinstance(event, FrameResult):
         results.append(event)
-        if on_result is not None and not isinstance(event.error, _MISFITS):
+        if on_result is not None and not isinstance(event.error, MISFITS):
             on_result(event)
     elif on_progress is not None:
         on_progress(*event)

@@ -24,6 +24,7 @@ _COMMANDS = {
     "shaders": ("shaders", "List the shading models, or what one takes."),
     "lights": ("lights", "List the kinds of light, or what one takes."),
     "rig": ("rig", "Check a rig."),
+    "farm": ("farm", "Describe a relight to a render farm."),
     "scene": ("scene", "Render a built-in scene into a G-buffer."),
     "demo": ("demo", "Make the built-in scenes, relight them, write pictures."),
     "doctor": ("doctor", "Say what this installation can do, and what is wrong with it."),

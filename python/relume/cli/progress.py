@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress, TaskID
 
-    from relume._relume import Report
-    from relume.sequence import Frame, FrameResult
+    from relume.sequence import Frame, FrameReport, FrameResult
 
 #: Seconds between two JSON lines of progress.
 _JSON_INTERVAL = 1.0
@@ -228,7 +227,7 @@ def _named(result: FrameResult) -> str:
     return named if frame.number is None else f"{frame.title}: {named}"
 
 
-def _warnings(report: Report) -> Iterator[str]:
+def _warnings(report: FrameReport) -> Iterator[str]:
     for channel, count in report.nonfinite.items():
         yield f"{count} pixel{'s' if count > 1 else ''} with NaN or infinity in {channel}, left black"
     yield from report.warnings

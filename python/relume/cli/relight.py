@@ -33,6 +33,13 @@ if TYPE_CHECKING:
 @click.option("--threads", type=click.IntRange(min=1), help="How many; all that the process may use when absent.")
 @set_option
 @gbuffer_options
+@click.option(
+    "--dask",
+    metavar="SCHEDULER",
+    help="Relight on a Dask cluster: tcp://host:8786, or local for processes on this machine.",
+)
+@click.option("--workers", type=click.IntRange(min=1), help="With --dask local: how many processes.")
+@click.option("--retries", type=click.IntRange(min=0), default=2, show_default=True, help="With --dask: further tries.")
 @click.option("--json", "as_json", is_flag=True, help="Events as JSON on standard output, one a line.")
 @click.option("-q", "--quiet", is_flag=True, help="Only errors and warnings.")
 def command(
@@ -46,6 +53,9 @@ def command(
     channels: tuple[str, ...],
     part: str | None,
     view: str | None,
+    dask: str | None,
+    workers: int | None,
+    retries: int,
     as_json: bool,
     quiet: bool,
 ) -> int:
@@ -61,23 +71,38 @@ def command(
     frames_to_do = plan(source, rig, output, frames)
     from relume.cli.progress import follow
     from relume.cli.report import one_line
-    from relume.errors import ParameterError, RigError
-    from relume.sequence import relight_frames
+    from relume.sequence import MISFITS, relight_frames
 
+    if workers is not None and dask != "local":
+        raise click.UsageError("--workers goes with --dask local")
     interrupted = False
     with _stoppable(), follow(len(frames_to_do), quiet, as_json) as follower:
         try:
-            relight_frames(
-                frames_to_do,
-                rig,
-                threads=threads,
-                skip_existing=skip_existing,
-                on_progress=follower.progress,
-                on_result=follower.result,
-            )
+            if dask is not None:
+                from relume.farm import dask as farm
+
+                farm.relight_frames(
+                    frames_to_do,
+                    rig,
+                    dask,
+                    workers=workers,
+                    threads=threads,
+                    retries=retries,
+                    skip_existing=skip_existing,
+                    on_result=follower.result,
+                )
+            else:
+                relight_frames(
+                    frames_to_do,
+                    rig,
+                    threads=threads,
+                    skip_existing=skip_existing,
+                    on_progress=follower.progress,
+                    on_result=follower.result,
+                )
         except (KeyboardInterrupt, _Terminated):
             interrupted = True
-        except (RigError, ParameterError) as error:
+        except MISFITS as error:
             raise RigFailure(one_line(error)) from error
     follower.summary(interrupted)
     if interrupted:
