@@ -7,7 +7,7 @@ import os
 import sys
 from collections.abc import Callable
 
-from house import build, checkout, lint, pictures, proof
+from house import build, checkout, fuzz, lint, pictures, proof
 
 
 def relume(arguments: list[str]) -> int:
@@ -34,6 +34,7 @@ COMMANDS: dict[str, Callable[[list[str]], int]] = {
     "test": proof.test,
     "build": build_presets,
     "bench": pictures.bench,
+    "fuzz": fuzz.fuzz,
     "lint": lint.lint,
     "docs": pictures.docs,
     "truth": pictures.truth,

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from xml.etree import ElementTree
 
-from house import build, package, processor
+from house import build, fuzz, package, processor
 from house.checkout import BUILD, PYTHON, ROOT, StepError, say
 
 _SANITIZER_ENVIRONMENT = {
@@ -20,6 +20,10 @@ _SANITIZER_ENVIRONMENT = {
     "UBSAN_OPTIONS": "print_stacktrace=1:halt_on_error=1",
     "TSAN_OPTIONS": "halt_on_error=1:second_deadlock_stack=1",
 }
+
+
+#: Of each fuzz target, within ./dev test.
+_FUZZ_SECONDS = 15
 
 
 @dataclass
@@ -111,6 +115,7 @@ def test(arguments: list[str]) -> int:
         for preset in ("asan-ubsan", "tsan", "clang"):
             if _step(tally, f"build without warnings, {preset}", functools.partial(build.build, preset)):
                 _gtest(tally, preset)
+        _step(tally, "damaged files and rigs under libFuzzer", functools.partial(fuzz.run, _FUZZ_SECONDS))
         _step(tally, "a program outside the tree, by find_package", package.out_of_tree)
         _step(tally, "the wheel, in a clean environment", package.wheel)
     for failure in tally.failures:
