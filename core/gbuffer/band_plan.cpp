@@ -23,16 +23,19 @@ public:
     void answer(const ChannelRequest& request) {
         switch (request.kind) {
             case ChannelRequest::Kind::semantic:
-                emit(semantic(request), request.components);
+                emit(widened(semantic(request), request), request.components);
                 return;
             case ChannelRequest::Kind::raw:
-                emit(raw_request(request), request.components);
+                emit(widened(raw_request(request), request), request.components);
                 return;
             case ChannelRequest::Kind::id:
                 plan_.outputs.push_back(identifier(request));
                 return;
             case ChannelRequest::Kind::matte:
                 plan_.outputs.push_back(matte(request));
+                return;
+            case ChannelRequest::Kind::constant:
+                emit(widened({-1}, request), request.components);
                 return;
         }
     }
@@ -192,6 +195,39 @@ private:
         return {result.begin(), result.end()};
     }
 
+    /// What alpha² grows by where the pixel averages normals.
+    int variance() {
+        if (variance_ >= 0) return variance_;
+        const Semantic& normal = *source_.find("normal");
+        Step step;
+        step.op = Op::variance;
+        decoding(step, normal);
+        for (std::size_t i = 0; i < 3; ++i) step.in[i] = raw(normal.raws[i]);
+        if (has_coverage()) step.in[3] = coverage().first;
+        if (has_coverage() && normal.averaged) step.in[4] = coverage().second;
+        step.scale = source_.normal_variance.dead_zone;
+        variance_ = step.out[0] = fresh();
+        plan_.steps.push_back(std::move(step));
+        return variance_;
+    }
+
+    /// Widths of highlights, wider by what the pixel averages. A register of -1 is the request's constant.
+    std::vector<int> widened(std::vector<int> registers, const ChannelRequest& request) {
+        const bool widen = request.widen != LobeWidth::none && source_.normal_variance.on;
+        for (int& r : registers) {
+            if (!widen && r >= 0) continue;
+            Step step;
+            step.op = Op::widen;
+            step.in[0] = r;
+            step.in[1] = widen ? variance() : ones();
+            step.offset = static_cast<float>(request.offset);
+            step.lobe_width = widen ? request.widen : LobeWidth::none;
+            r = step.out[0] = fresh();
+            plan_.steps.push_back(std::move(step));
+        }
+        return registers;
+    }
+
     std::vector<int> view() {
         if (const Semantic* given = source_.find("view")) return direction(*given);
         const auto known = vectors_.find("view");
@@ -330,6 +366,7 @@ private:
         if (name == "view") return view();
         if (name == "position") return point();
         if (name == "depth") return {depth()};
+        if (name == "normal_variance" && source_.normal_variance.on) return {variance()};
         const Semantic* s = source_.find(name);
         if (name == "alpha" && !s) return {ones()};
         if (!s) missing(name, "");
@@ -464,7 +501,7 @@ private:
     BandPlan& plan_;
     std::map<std::string, Registers> vectors_;
     int computed_ = 0;
-    int coverage_ = -1, reciprocal_ = -1, ones_ = -1, depth_ = -1, repair_ = -1;
+    int coverage_ = -1, reciprocal_ = -1, ones_ = -1, depth_ = -1, repair_ = -1, variance_ = -1;
     bool repair_known_ = false;
 };
 

@@ -98,6 +98,75 @@ template <bool kTransform> void direction(const Run& r, const float* share, cons
     }
 }
 
+void variance(const Run& r) {
+    // Σ of the shares that were rounded one by one.
+    constexpr float kWhole = 0.999f;
+    const Step& s = r.step;
+    const float *ax = r.in(0), *ay = r.in(1), *az = r.in(2), *share = r.in(3), *reciprocal = r.in(4);
+    const float mx = s.multiply[0], my = s.multiply[1], mz = s.multiply[2];
+    const float bx = s.add[0], by = s.add[1], bz = s.add[2];
+    const float least = s.background, dead_zone = s.scale;
+    float* out = r.out(0);
+    for (int i = 0; i < r.count; ++i) {
+        const float w = reciprocal ? reciprocal[i] : 1.0f;
+        const float rx = ax[i] * w, ry = ay[i] * w, rz = az[i] * w;
+        const float x = rx * mx + bx, y = ry * my + by, z = rz * mz + bz;
+        const float square = x * x + y * y + z * z;
+        const bool blank = (rx == 0.0f && ry == 0.0f && rz == 0.0f) || square <= least;
+        // Nobody knows whether a normal that was not averaged with the background is short for that.
+        const bool partial = share && !reciprocal && share[i] < kWhole;
+        const float length = std::sqrt(square) + dead_zone;
+        const bool mean = !blank && !partial && length < 1.0f;
+        out[i] = mean ? 2.0f * (1.0f - length) / length : 0.0f;
+    }
+}
+
+void widen(const Run& r) {
+    const float *a = r.in(0), *variance = r.in(1);
+    float* out = r.out(0);
+    if (!a) {
+        std::fill_n(out, r.count, r.step.offset);
+        a = out;
+    }
+    // Written so that NaN comes through; where nothing is averaged the value stays what it is, to the bit.
+    const auto each = [&](auto wider) {
+        for (int i = 0; i < r.count; ++i) {
+            const float value = a[i] < 0.0f ? 0.0f : a[i];
+            const float wide = wider(value, variance[i]);
+            out[i] = variance[i] > 0.0f ? wide : a[i];
+        }
+    };
+    const auto most = [](float alpha2) { return alpha2 > 1.0f ? 1.0f : alpha2; };
+    const auto roughness = [&](float x, float v) { return std::sqrt(std::sqrt(most(x * x * x * x + v))); };
+    switch (r.step.lobe_width) {
+        case LobeWidth::none:
+            each([](float x, float) { return x; });
+            return;
+        case LobeWidth::roughness:
+            each(roughness);
+            return;
+        case LobeWidth::mirror_roughness:
+            each([&](float x, float v) { return x == 0.0f ? 0.0f : roughness(x, v); });
+            return;
+        case LobeWidth::alpha:
+            each([&](float x, float v) { return std::sqrt(most(x * x + v)); });
+            return;
+        case LobeWidth::half_exponent:
+            each([&](float x, float v) { return 2.0f / most(2.0f / (x + 2.0f) + v) - 2.0f; });
+            return;
+        case LobeWidth::mirror_exponent:
+            each([&](float x, float v) { return 0.5f / most(2.0f / (4.0f * x + 2.0f) + v) - 0.5f; });
+            return;
+        case LobeWidth::gloss:
+            each([&](float x, float v) {
+                const float alpha = 0.1f - 0.099f * (x > 1.0f ? 1.0f : x);
+                const float wide = std::sqrt(alpha * alpha + v);
+                return wide > 0.1f ? 0.0f : (0.1f - wide) / 0.099f;
+            });
+            return;
+    }
+}
+
 void turn(const Run& r) {
     const float *ax = r.in(0), *ay = r.in(1), *az = r.in(2), *vx = r.in(3), *vy = r.in(4), *vz = r.in(5);
     float *ox = r.out(0), *oy = r.out(1), *oz = r.out(2);
@@ -408,6 +477,12 @@ void run(const Step& step, const float* const* registers, float* const* results,
             return;
         case Op::ones:
             std::fill_n(r.out(0), count, 1.0f);
+            return;
+        case Op::variance:
+            variance(r);
+            return;
+        case Op::widen:
+            widen(r);
             return;
     }
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "relume/image.h"
+#include "relume/parameter.h"
 
 namespace relume::gbuffer {
 
@@ -33,6 +34,9 @@ enum class Op : std::uint8_t {
     identifier,      ///< r = a rounded, as integers, repaired (by a1 when given)
     matte,           ///< r = Σ coverage of the matching ranks, over layers the largest
     ones,            ///< r = 1
+    variance,        ///< r = what alpha² grows by for the length of the normal a0…2: of whole pixels by coverage a3, or
+                     ///< of all of them where the normal is to be multiplied by a4; `scale` is the dead zone
+    widen,           ///< r = a0 (or `offset` where there is none), as wide as `lobe_width` says, with variance a1
 };
 
 /// A Cryptomatte layer of a matte: pairs of registers, and the IDs to look for, sorted.
@@ -56,6 +60,7 @@ struct Step {
     bool ray = false;                ///< depth: measured along the pixel's ray
     float background = 1e-12f;       ///< direction: squared length up to which it is none
     float near = 0;                  ///< depth along the ray: where it starts
+    LobeWidth lobe_width = LobeWidth::none;
 };
 
 /// The neighbour in column dx (−8…8) and row dy (−1…1), as one number that is never 0.
