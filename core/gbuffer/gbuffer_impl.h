@@ -79,7 +79,8 @@ struct Coverage {
 /// Whether the normals' lengths widen highlights.
 struct Variance {
     bool on = false;
-    float dead_zone = 0;  ///< how much shorter than 1 the storage alone may leave a unit normal
+    float dead_zone = 0;       ///< how much shorter than 1 the storage alone may leave a unit normal
+    float edge_dead_zone = 0;  ///< the same for what was divided by a coverage below 1
     std::string reason;
 };
 

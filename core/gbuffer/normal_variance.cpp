@@ -25,25 +25,16 @@ std::string percent(double share) {
 }
 
 /// The dead zone that the planes' types ask for.
-float stored_precision(const GBuffer::Impl& impl, const Semantic& normal) {
+float stored_precision(const GBuffer::Impl& impl, const std::vector<int>& planes) {
     float zone = kDeadZones[0];
-    const auto bits_of = [&](int index) {
-        const RawPlane& raw = impl.raws[static_cast<std::size_t>(index)];
-        return raw.memory.data ? 0 : impl.files[static_cast<std::size_t>(raw.address.file)].integer_bits;
-    };
     const auto look = [&](int index) {
         const RawPlane& raw = impl.raws[static_cast<std::size_t>(index)];
-        const int bits = bits_of(index);
+        const int bits = raw.memory.data ? 0 : impl.files[static_cast<std::size_t>(raw.address.file)].integer_bits;
         if (bits == 16) zone = std::max(zone, kDeadZones[1]);
         if (raw.type == PixelType::half) zone = std::max(zone, kDeadZones[2]);
         if (bits == 8) zone = std::max(zone, kDeadZones[3]);
     };
-    for (const int raw : normal.raws) look(raw);
-    if (normal.averaged) {
-        for (const int raw : impl.coverage.raws) look(raw);
-    }
-    // Engines pack normals into 8 or 10 bits, whatever floating-point file they are saved in later.
-    if (normal.encoding == Encoding::zero_to_one && bits_of(normal.raws.front()) != 16) zone = kDeadZones[3];
+    for (const int raw : planes) look(raw);
     return zone;
 }
 
@@ -152,7 +143,10 @@ void judge_normal_variance(GBuffer::Impl& impl, const GBufferOptions& options, c
     if (!normal || wanted == NormalVariance::off) return;
     const Lengths lengths(*normal, sample);
     Variance& variance = impl.normal_variance;
-    variance.dead_zone = stored_precision(impl, *normal);
+    variance.dead_zone = stored_precision(impl, normal->raws);
+    // Engines pack normals into 8 or 10 bits, whatever floating-point file they are saved in later.
+    if (normal->encoding == Encoding::zero_to_one && variance.dead_zone != kDeadZones[1])
+        variance.dead_zone = kDeadZones[3];
     // Numbers that went through coarser storage before show it by normals that are too long, which no mean is.
     std::optional<float> zone;
     for (std::size_t z = 0; z < kDeadZones.size() && !zone; ++z) {
@@ -161,6 +155,7 @@ void judge_normal_variance(GBuffer::Impl& impl, const GBufferOptions& options, c
             zone = kDeadZones[z];
     }
     if (zone) variance.dead_zone = *zone;
+    variance.edge_dead_zone = std::max(variance.dead_zone, stored_precision(impl, impl.coverage.raws));
     if (wanted == NormalVariance::on) {
         variance.on = true;
         variance.reason = "asked for by normal_variance";
@@ -181,16 +176,15 @@ void judge_normal_variance(GBuffer::Impl& impl, const GBufferOptions& options, c
     const double share = static_cast<double>(turning) / static_cast<double>(shorter);
     const std::string count = percent(static_cast<double>(shorter) / static_cast<double>(lengths.whole)) + " of the " +
                               std::to_string(lengths.whole) + " sampled surface pixels";
+    if (impl.coverage.raws.empty() && lengths.background) {
+        impl.notes.push_back(
+            "normals are shorter than 1 in " + count +
+            ", and nothing tells which of these the background has a share of (no coverage, no alpha)" + advice);
+        return;
+    }
     if (share < kTurning) {
         impl.notes.push_back("normals are shorter than 1 in " + count + ", and only " + percent(share) +
                              " of these stand where they turn, as means over the pixel would" + advice);
-        return;
-    }
-    if (impl.coverage.raws.empty() && lengths.background) {
-        impl.notes.push_back(
-            "normals are means over the pixel, but nothing tells how much of it the background has (no coverage, no "
-            "alpha)" +
-            advice);
         return;
     }
     variance.on = true;

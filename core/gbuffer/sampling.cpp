@@ -61,8 +61,9 @@ std::vector<int> choose_rows(const Window& window, int chunk, bool in_memory, bo
         const int wanted = std::min(size, std::max(kRowsPerBand, kRowsInMemory / bands));
         const std::size_t first = rows.size();
         for (int k = 0; k < wanted; ++k) rows.push_back(window.y + top + (2 * k + 1) * size / (2 * wanted));
-        if (!dense) add_neighbours(rows, first + static_cast<std::size_t>(wanted) / 2, kRowsPerBand, window.y + top,
-                                   window.y + top + size);
+        if (!dense)
+            add_neighbours(rows, first + static_cast<std::size_t>(wanted) / 2, kRowsPerBand, window.y + top,
+                           window.y + top + size);
     }
     return rows;
 }

@@ -57,8 +57,8 @@ __attribute__((target("avx2,f16c"))) std::size_t floats_to_halves_f16c(const std
     for (; i + 8 <= count; i += 8) {
         __m256 a = _mm256_loadu_ps(reinterpret_cast<const float*>(floats + 4 * i));
         const __m256 magnitude = _mm256_andnot_ps(sign, a);
-        const __m256 over = _mm256_and_ps(_mm256_cmp_ps(magnitude, most, _CMP_GT_OQ),
-                                          _mm256_cmp_ps(magnitude, infinity, _CMP_LT_OQ));
+        const __m256 over =
+            _mm256_and_ps(_mm256_cmp_ps(magnitude, most, _CMP_GT_OQ), _mm256_cmp_ps(magnitude, infinity, _CMP_LT_OQ));
         a = _mm256_blendv_ps(a, _mm256_or_ps(_mm256_and_ps(sign, a), most), over);
         _mm_storeu_si128(reinterpret_cast<__m128i*>(halves + 2 * i),
                          _mm256_cvtps_ph(a, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC));

@@ -33,7 +33,7 @@ struct SpecularMix {
         row::scalar("percent_specular", RELUME_SLOT(percent_specular), 0.5, 0, 1, "Percent specular",
                     "Share of the light that is reflected by the glossy lobe."),
         row::specular_color(RELUME_SLOT(specular_color), 1),
-        row::roughness(RELUME_SLOT(roughness), 0.5, LobeWidth::mirror_roughness),
+        row::roughness(RELUME_SLOT(roughness)),
         row::ambient(RELUME_SLOT(ambient)),
         row::emission(RELUME_SLOT(emission)),
     };

@@ -110,10 +110,10 @@ TEST(PixelConvert, FloatToHalfRoundsToNearestEven) {
 
 TEST(PixelConvert, WhatIsFiniteStaysFiniteInHalf) {
     const float infinity = std::numeric_limits<float>::infinity(), largest = std::numeric_limits<float>::max();
-    const std::vector<float> floats{65504, 65505, 65519.996f, 65520, 65536, 1e6f, largest, infinity,
-                                    -65504, -65520, -1e30f, -largest, -infinity, 1, -0.0f, 3};
-    const std::vector<double> expected{65504, 65504, 65504, 65504, 65504, 65504, 65504, HUGE_VAL,
-                                       -65504, -65504, -65504, -65504, -HUGE_VAL, 1, 0, 3};
+    const std::vector<float> floats{65504,  65505,  65519.996f, 65520,    65536,     1e6f, largest, infinity,
+                                    -65504, -65520, -1e30f,     -largest, -infinity, 1,    -0.0f,   3};
+    const std::vector<double> expected{65504,  65504,  65504,  65504,  65504,     65504, 65504, HUGE_VAL,
+                                       -65504, -65504, -65504, -65504, -HUGE_VAL, 1,     0,     3};
     for (const bool scalar : {false, true}) {
         std::vector<std::uint16_t> halves(floats.size());
         floats_to_halves(std::as_bytes(std::span(floats)).data(), std::as_writable_bytes(std::span(halves)).data(),

@@ -59,7 +59,7 @@ def test_beside_an_exr(tmp_path: Path, images: dict[str, np.ndarray], flat: Path
     np.testing.assert_array_equal(gbuffer["normal"][0, 0], (0, 0, 1))
 
 
-# Rec.709 to ACES AP1 with Bradford's adaptation, as the ACES documentation prints it; and to Rec.2020 (ITU-R BT.2087-0).
+# Rec.709 to ACES AP1 with Bradford's adaptation, as ACES prints it; and to Rec.2020 (ITU-R BT.2087-0).
 TO_AP1 = (
     (0.6130974024, 0.3395231462, 0.0473794514),
     (0.0701937225, 0.9163538791, 0.0134523985),

@@ -46,7 +46,7 @@ struct GBufferOptions {
     std::optional<std::string> part;  ///< layer or part to take
     std::optional<std::string> view;  ///< "left", …
     std::optional<AlphaMode> alpha;
-    std::optional<std::string> working_space;     ///< OCIO or interop name, e.g. "lin_rec709", "lin_ap1"
+    std::optional<std::string> working_space;       ///< OCIO or interop name, e.g. "lin_rec709", "lin_ap1"
     std::optional<NormalVariance> normal_variance;  ///< absent: automatic
     std::map<std::string, ChannelRule> channels;    ///< by semantic name
 
@@ -83,9 +83,10 @@ struct Metadata;
 
 /// Semantic names that relume knows beyond shader parameters, with their components.
 ///   beauty 3 (as rendered, premultiplied), alpha 1, coverage 1 (share of the pixel that the surface covers),
-///   normal 3 (world, unit, or 0 on background), normal_variance 1 (what alpha² grows by), position 3 (world), view 3 (unit, from the surface to the camera),
-///   depth 1 (planar), base_color 3, roughness 1, metallic 1, specular 1, emission 3, ambient_occlusion 1, opacity 1,
-///   tangent 3 (world), object_id, material_id, shading_model_id 1 (std::uint32_t planes).
+///   normal 3 (world, unit, or 0 on background), normal_variance 1 (what alpha² grows by), position 3 (world), view 3
+///   (unit, from the surface to the camera), depth 1 (planar), base_color 3, roughness 1, metallic 1, specular 1,
+///   emission 3, ambient_occlusion 1, opacity 1, tangent 3 (world), object_id, material_id, shading_model_id 1
+///   (std::uint32_t planes).
 
 /// What a shading pass wants of a G-buffer, by name; answered by BandReader in canonical form.
 struct ChannelRequest {
@@ -93,7 +94,7 @@ struct ChannelRequest {
         semantic,  ///< `name` is a semantic name: decoded, in world and working space, divided by coverage
         raw,    ///< `name` is a channel or layer of the file: value·scale + offset, divided by coverage where averaged
         id,     ///< `name` is an ID's semantic name: std::uint32_t, fractions rounded
-        matte,     ///< Σ coverage of the Cryptomatte names that match one of `patterns` (globs)
+        matte,  ///< Σ coverage of the Cryptomatte names that match one of `patterns` (globs)
         constant,  ///< `offset` in every pixel: of use with `widen`
     };
     Kind kind = Kind::semantic;

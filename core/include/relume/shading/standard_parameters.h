@@ -67,9 +67,9 @@ constexpr Parameter wide(Parameter parameter, LobeWidth lobe_width) {
     parameter.lobe_width = lobe_width;
     return parameter;
 }
-constexpr Parameter roughness(int slot, double value = 0.5, LobeWidth lobe_width = LobeWidth::roughness) {
+constexpr Parameter roughness(int slot, double value = 0.5) {
     return wide(scalar("roughness", slot, value, 0, 1, "Roughness", "Perceptual roughness; alpha is its square."),
-                lobe_width);
+                LobeWidth::roughness);
 }
 constexpr Parameter metallic(int slot) {
     return scalar("metallic", slot, 0, 0, 1, "Metallic", "0 is a dielectric, 1 a metal; between, a blend of both.");
