@@ -2,6 +2,7 @@
 // Normals that are means over a pixel: how short they are, how much wider that makes a highlight, and when it does not.
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <numbers>
 
 #include "io/pixel_convert.h"
@@ -40,11 +41,23 @@ double half(double value) {
     return static_cast<double>(io::half_to_float(io::float_to_half(static_cast<float>(value))));
 }
 
+using Planes = std::map<std::string, std::vector<std::vector<float>>>;
+
+/// A G-buffer together with the arrays that it reads.
+class Kept : public GBuffer {
+public:
+    Kept(std::shared_ptr<const Planes> planes, GBuffer gbuffer)
+        : GBuffer(std::move(gbuffer)), planes_(std::move(planes)) {}
+
+private:
+    std::shared_ptr<const Planes> planes_;
+};
+
 /// Normals in memory, and with them whatever a test adds.
 class Frame {
 public:
     explicit Frame(const test::VectorFunction& normal) {
-        std::vector<std::vector<float>>& planes = planes_["normal"];
+        std::vector<std::vector<float>>& planes = (*planes_)["normal"];
         planes.assign(3, {});
         for (int y = 0; y < kHeight; ++y) {
             for (int x = 0; x < kWidth; ++x) {
@@ -57,26 +70,26 @@ public:
         for (int y = 0; y < kHeight; ++y) {
             for (int x = 0; x < kWidth; ++x) plane.push_back(static_cast<float>(value(x, y)));
         }
-        planes_[name].assign(components, plane);
+        (*planes_)[name].assign(components, plane);
         return *this;
     }
-    GBuffer gbuffer(GBufferOptions options = test::MemoryFrame::camera()) const {
+    Kept gbuffer(const GBufferOptions& options = test::MemoryFrame::camera()) const {
         std::map<std::string, MemoryChannel> channels;
-        for (const auto& [name, planes] : planes_) {
+        for (const auto& [name, planes] : *planes_) {
             for (const std::vector<float>& plane : planes)
                 channels[name].planes.push_back(
                     {reinterpret_cast<const std::byte*>(plane.data()), PixelType::float32, 4, kWidth * 4});
         }
-        return GBuffer::from_memory(kWidth, kHeight, channels, options);
+        return {planes_, GBuffer::from_memory(kWidth, kHeight, channels, options)};
     }
-    GBuffer gbuffer(NormalVariance variance) const {
+    Kept gbuffer(NormalVariance variance) const {
         GBufferOptions options = test::MemoryFrame::camera();
         options.normal_variance = variance;
         return gbuffer(options);
     }
 
 private:
-    std::map<std::string, std::vector<std::vector<float>>> planes_;
+    std::shared_ptr<Planes> planes_ = std::make_shared<Planes>();
 };
 
 ChannelRequest constant(double value, LobeWidth widen) {
@@ -104,7 +117,7 @@ bool reads(const GBuffer& gbuffer, std::string_view name, std::string_view words
 }
 
 /// The same mean of two faces at an angle of `degrees` in every pixel: no face stands in anywhere.
-GBuffer mixed(double degrees, double share) {
+Kept mixed(double degrees, double share) {
     return Frame([=](int, int) { return mean(leaning(-degrees / 2), leaning(degrees / 2), share); })
         .gbuffer(NormalVariance::on);
 }
@@ -130,7 +143,7 @@ TEST(NormalVariance, WidensByTheVarianceOfTheFacesSlopes) {
 }
 
 TEST(NormalVariance, EveryWidthGrowsAlike) {
-    const GBuffer gbuffer = mixed(40, 0.1);
+    const Kept gbuffer = mixed(40, 0.1);
     const double v = growth(std::sqrt(1 - 2 * 0.1 * 0.9 * (1 - std::cos(40 * kDegree))), 1e-5);
     const auto widened = [&](double value, LobeWidth width) {
         return at(test::ask(gbuffer, constant(value, width)), 24);
@@ -155,7 +168,7 @@ TEST(NormalVariance, EveryWidthGrowsAlike) {
     EXPECT_TRUE(std::isnan(widened(std::nan(""), LobeWidth::roughness)));
     EXPECT_EQ(widened(-0.5, LobeWidth::roughness), 0);
     // Nothing is widened where the pixel shows one normal.
-    const GBuffer unit = Frame([](int, int) { return leaning(7); }).gbuffer(NormalVariance::on);
+    const Kept unit = Frame([](int, int) { return leaning(7); }).gbuffer(NormalVariance::on);
     for (const double value : {-0.5, 0.0, 0.3, 2.0}) {
         for (const LobeWidth width : {LobeWidth::roughness, LobeWidth::alpha, LobeWidth::gloss})
             EXPECT_EQ(at(test::ask(unit, constant(value, width)), 24), static_cast<double>(static_cast<float>(value)));
@@ -165,7 +178,7 @@ TEST(NormalVariance, EveryWidthGrowsAlike) {
 TEST(NormalVariance, AtACreaseTheNearerFaceStandsIn) {
     for (const bool lying : {false, true}) {
         for (const double share : {0.25, 0.75}) {
-            const GBuffer gbuffer =
+            const Kept gbuffer =
                 Frame([&](int x, int y) { return lying ? crease(y + 8, 0, share) : crease(x, y, share); }).gbuffer();
             ASSERT_TRUE(gbuffer.normal_variance());
             EXPECT_TRUE(reads(gbuffer, "normal_variance", "means over the pixel"));
@@ -188,7 +201,7 @@ TEST(NormalVariance, OfABendKeepsItsMean) {
     const auto bend = [](int x, int) {
         return x < 24 ? leaning(-15) : x > 24 ? leaning(15) : mean(leaning(-15), leaning(15), 0.5);
     };
-    const GBuffer gbuffer = Frame(bend).gbuffer();
+    const Kept gbuffer = Frame(bend).gbuffer();
     ASSERT_TRUE(gbuffer.normal_variance());
     EXPECT_NEAR(at(test::ask(gbuffer, test::semantic("normal", 3)), 24), 0, 1e-6);
     EXPECT_NEAR(at(test::ask(gbuffer, test::semantic("normal_variance")), 24), growth(std::cos(15 * kDegree), 1e-5),
@@ -198,7 +211,7 @@ TEST(NormalVariance, OfABendKeepsItsMean) {
 TEST(NormalVariance, BeginsWithoutAStep) {
     // Columns of ever shorter normals about the end of the dead zone.
     const auto by = [](int x) { return 2e-6 * x; };
-    const GBuffer gbuffer =
+    const Kept gbuffer =
         Frame([&](int x, int) { return gbuffer::scaled(leaning(0), 1 - by(x)); }).gbuffer(NormalVariance::on);
     const test::Answer variance = test::ask(gbuffer, test::semantic("normal_variance"));
     for (int x = 0; x < kWidth; ++x) EXPECT_NEAR(at(variance, x), growth(1 - by(x), 1e-5), 4e-7) << x;
@@ -217,21 +230,21 @@ TEST(NormalVariance, IsNotTakenFromNormalsThatWereNeverUnit) {
                           Case{"too short", [&](int x, int y) { return gbuffer::scaled(wavy(x, y), 0.9); }, "only"},
                           Case{"nearly", [&](int x, int y) { return gbuffer::scaled(wavy(x, y), 0.9997); }, "only"},
                           Case{"too long", [&](int x, int y) { return gbuffer::scaled(wavy(x, y), 1.1); }, "longer"}}) {
-        const GBuffer gbuffer = Frame(c.normal).gbuffer();
+        const Kept gbuffer = Frame(c.normal).gbuffer();
         EXPECT_FALSE(gbuffer.normal_variance()) << c.what;
         EXPECT_EQ(gbuffer.find("normal_variance"), nullptr);
         EXPECT_TRUE(test::mentions(gbuffer.notes(), "normal_variance")) << c.what;
         EXPECT_TRUE(test::mentions(gbuffer.notes(), c.note)) << c.what;
         EXPECT_EQ(at(test::ask(gbuffer, constant(0.25, LobeWidth::roughness)), 30), 0.25) << c.what;
     }
-    const GBuffer unit = Frame(wavy).gbuffer();
+    const Kept unit = Frame(wavy).gbuffer();
     EXPECT_FALSE(unit.normal_variance());
     EXPECT_FALSE(test::mentions(unit.notes(), "normal_variance"));
 }
 
 TEST(NormalVariance, TheRigHasTheLastWord) {
     EXPECT_FALSE(Frame([](int x, int y) { return crease(x, y); }).gbuffer(NormalVariance::off).normal_variance());
-    const GBuffer forced = Frame(interpolated).gbuffer(NormalVariance::on);
+    const Kept forced = Frame(interpolated).gbuffer(NormalVariance::on);
     EXPECT_TRUE(forced.normal_variance());
     EXPECT_GT(at(test::ask(forced, test::semantic("normal_variance")), 6), 0.01);
 }
@@ -239,7 +252,7 @@ TEST(NormalVariance, TheRigHasTheLastWord) {
 TEST(NormalVariance, TheDeadZoneFollowsThePrecision) {
     // As float, but rounded to half somewhere on the way.
     const auto rounded = [](const Vector3& n) { return Vector3{half(n[0]), half(n[1]), half(n[2])}; };
-    const GBuffer gbuffer =
+    const Kept gbuffer =
         Frame([&](int x, int y) {
             return rounded(x == 24 ? mean(leaning(-20), leaning(20), 0.5) : leaning((x < 24 ? -20 : 20) + 0.1 * y));
         }).gbuffer();
@@ -340,9 +353,9 @@ TEST(NormalVariance, OfEightBitsHasAWideDeadZone) {
     GBufferOptions options = test::MemoryFrame::camera();
     options.channels["normal"].encoding = Encoding::zero_to_one;
     EXPECT_FALSE(Frame([&](int x, int y) { return coded(faces(x, y)); }).gbuffer(options).normal_variance());
-    const GBuffer gbuffer = Frame([&](int x, int y) {
-                                return coded(x == 24 ? mean(faces(23, y), faces(25, y), 0.5) : faces(x, y));
-                            }).gbuffer(options);
+    const Kept gbuffer = Frame([&](int x, int y) {
+                             return coded(x == 24 ? mean(faces(23, y), faces(25, y), 0.5) : faces(x, y));
+                         }).gbuffer(options);
     ASSERT_TRUE(gbuffer.normal_variance());
     EXPECT_TRUE(reads(gbuffer, "normal_variance", "0.01"));
     const test::Answer variance = test::ask(gbuffer, test::semantic("normal_variance"));
@@ -388,8 +401,8 @@ TEST(NormalVariance, ShadesAsIfTheRoughnessWereWider) {
         const std::string use = "[[shader]]\nuse = \"" + std::string(c.shader) + "\"\n";
         const Rig by_constant = Rig::loads(lit + use + c.parameter + " = " + std::to_string(c.value) + "\n");
         const Rig by_channel = Rig::loads(lit + use);
-        const GBuffer in = creased.gbuffer(NormalVariance::on), reference = widened.gbuffer(),
-                      off = creased.gbuffer(NormalVariance::off);
+        const Kept in = creased.gbuffer(NormalVariance::on), reference = widened.gbuffer(),
+                   off = creased.gbuffer(NormalVariance::off);
         ASSERT_TRUE(in.normal_variance());
         ASSERT_FALSE(reference.normal_variance());
         const test::Pictures seen = test::relit(in, by_constant), expected = test::relit(reference, by_channel),
