@@ -117,6 +117,7 @@ void bind_rig(py::module_& module) {
                 if (key == "view") rig.gbuffer.view.reset();
                 if (key == "alpha") rig.gbuffer.alpha.reset();
                 if (key == "working_space") rig.gbuffer.working_space.reset();
+                if (key == "normal_variance") rig.gbuffer.normal_variance.reset();
             },
             py::arg("key"))
         .def(

@@ -23,16 +23,19 @@ public:
     void answer(const ChannelRequest& request) {
         switch (request.kind) {
             case ChannelRequest::Kind::semantic:
-                emit(semantic(request), request.components);
+                emit(widened(semantic(request), request), request.components);
                 return;
             case ChannelRequest::Kind::raw:
-                emit(raw_request(request), request.components);
+                emit(widened(raw_request(request), request), request.components);
                 return;
             case ChannelRequest::Kind::id:
                 plan_.outputs.push_back(identifier(request));
                 return;
             case ChannelRequest::Kind::matte:
                 plan_.outputs.push_back(matte(request));
+                return;
+            case ChannelRequest::Kind::constant:
+                emit(widened({-1}, request), request.components);
                 return;
         }
     }
@@ -52,8 +55,9 @@ public:
         }
         for (int& r : plan_.outputs) renumber(r);
         for (const Step& step : plan_.steps) {
-            const bool looks =
-                step.op == Op::repair || step.op == Op::point || step.op == Op::depth || step.op == Op::identifier;
+            const bool looks = step.op == Op::repair || step.op == Op::point || step.op == Op::depth ||
+                               step.op == Op::identifier || step.op == Op::face ||
+                               (step.op == Op::direction && step.in[5] >= 0);
             for (std::size_t k = 0; looks && k < 3; ++k) {
                 const int r = step.in[k];
                 if (r < 0 || r >= raws) continue;
@@ -163,7 +167,7 @@ private:
         if (known != vectors_.end()) return {known->second.begin(), known->second.end()};
         Registers result{};
         const bool change = s.encoding != Encoding::as_is || s.space == Space::camera ||
-                            s.sign != std::array{1.f, 1.f, 1.f} || !s.unit || has_coverage();
+                            s.sign != std::array{1.f, 1.f, 1.f} || !s.unit || has_coverage() || shows_faces(s);
         if (!change) {
             for (std::size_t i = 0; i < 3; ++i) result[i] = raw(s.raws[i]);
         } else {
@@ -175,6 +179,7 @@ private:
             // A mean of (n + 1)/2 and the background's 0 decodes only once the background is taken out.
             if (has_coverage() && s.averaged && s.encoding == Encoding::zero_to_one) step.in[4] = coverage().second;
             if (s.space == Space::camera) to_world(step, false);
+            if (shows_faces(s)) step.in[5] = faces().first;
             for (int& r : step.out) r = fresh();
             result = step.out;
             plan_.steps.push_back(std::move(step));
@@ -190,6 +195,73 @@ private:
         }
         vectors_[s.info.name] = result;
         return {result.begin(), result.end()};
+    }
+
+    /// What alpha² grows by where the pixel averages normals.
+    int variance() {
+        if (variance_ >= 0) return variance_;
+        const Semantic& normal = *source_.find("normal");
+        Step step;
+        step.op = Op::variance;
+        decoding(step, normal);
+        for (std::size_t i = 0; i < 3; ++i) step.in[i] = raw(normal.raws[i]);
+        if (has_coverage()) step.in[3] = coverage().first;
+        if (has_coverage() && normal.averaged) step.in[4] = coverage().second;
+        step.scale = source_.normal_variance.dead_zone;
+        step.near = source_.normal_variance.edge_dead_zone;
+        variance_ = step.out[0] = fresh();
+        plan_.steps.push_back(std::move(step));
+        return variance_;
+    }
+
+    /// Whether this is a normal that the face beside a crease may stand in for: one whose neighbours can be judged by
+    /// what they store.
+    bool shows_faces(const Semantic& s) const {
+        const bool encoded = s.encoding == Encoding::zero_to_one && s.averaged && has_coverage();
+        return s.info.name == "normal" && source_.normal_variance.on && !encoded;
+    }
+
+    /// The pixels whose faces stand in, and the variance that is left then.
+    std::pair<int, int> faces() {
+        if (face_ >= 0) return {face_, face_variance_};
+        const Semantic& normal = *source_.find("normal");
+        const int mixed = variance();
+        if (!shows_faces(normal)) return {-1, mixed};
+        Step step;
+        step.op = Op::face;
+        decoding(step, normal);
+        for (std::size_t i = 0; i < 3; ++i) step.in[i] = raw(normal.raws[i]);
+        step.in[3] = mixed;
+        step.scale = source_.normal_variance.dead_zone;
+        const RawPlane& plane = source_.raws[static_cast<std::size_t>(normal.raws.front())];
+        if (!plane.memory.data) {
+            // The rows of other blocks may have to be decoded for the purpose: they are left alone.
+            const SourceFile& file = source_.files[static_cast<std::size_t>(plane.address.file)];
+            const io::Part& part = file.header.parts[static_cast<std::size_t>(plane.address.part)];
+            step.block_rows = rows_of_band(part.rows_per_chunk);
+            step.block_top = part.data_window.y;
+        }
+        face_ = step.out[0] = fresh();
+        face_variance_ = step.out[1] = fresh();
+        plan_.steps.push_back(std::move(step));
+        return {face_, face_variance_};
+    }
+
+    /// Widths of highlights, wider by what the pixel averages. A register of -1 is the request's constant.
+    std::vector<int> widened(std::vector<int> registers, const ChannelRequest& request) {
+        const bool widen = request.widen != LobeWidth::none && source_.normal_variance.on;
+        for (int& r : registers) {
+            if (!widen && r >= 0) continue;
+            Step step;
+            step.op = Op::widen;
+            step.in[0] = r;
+            step.in[1] = widen ? faces().second : ones();
+            step.offset = static_cast<float>(request.offset);
+            step.lobe_width = widen ? request.widen : LobeWidth::none;
+            r = step.out[0] = fresh();
+            plan_.steps.push_back(std::move(step));
+        }
+        return registers;
     }
 
     std::vector<int> view() {
@@ -330,6 +402,7 @@ private:
         if (name == "view") return view();
         if (name == "position") return point();
         if (name == "depth") return {depth()};
+        if (name == "normal_variance" && source_.normal_variance.on) return {faces().second};
         const Semantic* s = source_.find(name);
         if (name == "alpha" && !s) return {ones()};
         if (!s) missing(name, "");
@@ -465,6 +538,7 @@ private:
     std::map<std::string, Registers> vectors_;
     int computed_ = 0;
     int coverage_ = -1, reciprocal_ = -1, ones_ = -1, depth_ = -1, repair_ = -1;
+    int variance_ = -1, face_ = -1, face_variance_ = -1;
     bool repair_known_ = false;
 };
 

@@ -11,6 +11,13 @@
 
 namespace relume::gbuffer {
 
+/// Rows that are read together where a chunk of a file has this many.
+constexpr int rows_of_band(int rows_per_chunk) {
+    constexpr int kLeast = 16;
+    const int rows = rows_per_chunk > 0 ? rows_per_chunk : 1;
+    return (kLeast + rows - 1) / rows * rows;
+}
+
 struct PlannedRaw {
     RawPlane plane;
     bool integer = false;  ///< read as unsigned integers

@@ -15,7 +15,6 @@ namespace {
 
 constexpr std::size_t kAlignment = 64;
 constexpr int kRowsInMemory = 16;
-constexpr int kLeastBandRows = 16;
 
 /// Floats at the alignment that every instruction set likes; grows, never shrinks.
 class AlignedFloats {
@@ -152,8 +151,7 @@ int BandReader::band_rows() const {
         const gbuffer::SourceFile& file = impl_->source.files[static_cast<std::size_t>(raw.plane.address.file)];
         rows = std::max(rows, file.header.parts[static_cast<std::size_t>(raw.plane.address.part)].rows_per_chunk);
     }
-    if (rows == 0) return kRowsInMemory;
-    return rows >= kLeastBandRows ? rows : (kLeastBandRows + rows - 1) / rows * rows;
+    return rows == 0 ? kRowsInMemory : gbuffer::rows_of_band(rows);
 }
 
 void BandReader::load(int y, int rows, Scratch& scratch) const {
@@ -210,8 +208,8 @@ std::span<const float* const> BandReader::segment(int y, int x, int count, Scrat
         gbuffer::RunGeometry geometry = impl_->geometry;
         for (std::size_t i = 0; i < 3; ++i) geometry.row_ray[i] += y * geometry.next_row[i];
         const Impl::Beyond beyond(*impl_, s);
-        gbuffer::RowPlanes rows{s.planes.data(),        row,   s.rows, column, window.width, y > window.y,
-                                y + 1 < window.y_end(), false, false,  &beyond};
+        gbuffer::RowPlanes rows{s.planes.data(),        y,     row,   s.rows, column, window.width, y > window.y,
+                                y + 1 < window.y_end(), false, false, &beyond};
         if (plan.chunk_rows > 0) {
             const auto chunk = [&](int r) { return floor_divide(r - plan.chunk_top, plan.chunk_rows); };
             rows.above_close = rows.above && chunk(y - 1) == chunk(y);

@@ -5,6 +5,7 @@
 
 #include "gbuffer/gbuffer_impl.h"
 #include "gbuffer/names.h"
+#include "gbuffer/normal_variance.h"
 #include "gbuffer/sampling.h"
 #include "relume/error.h"
 
@@ -73,6 +74,16 @@ public:
         return first;
     }
     void read() { rows = sample_rows(impl_, raws_); }
+    /// Where these planes stand in each sampled row; empty when one of them is missing.
+    std::vector<int> places(const std::vector<int>& raws) const {
+        std::vector<int> found;
+        for (const int raw : raws) {
+            const auto at = std::find(raws_.begin(), raws_.end(), raw);
+            if (at == raws_.end()) return {};
+            found.push_back(static_cast<int>(at - raws_.begin()));
+        }
+        return found;
+    }
 
     std::vector<SampledRow> rows;
 
@@ -258,7 +269,10 @@ void finish(GBuffer::Impl& impl, const GBufferOptions& options) {
     const int position_planes = sample.want(position);
     const int depth_plane = sample.want(impl.find("depth"));
     const int alpha_plane = sample.want(impl.find("alpha"));
-    const int coverage_plane = impl.find("coverage") ? -1 : sample.want(impl.coverage.raws);
+    const int coverage_plane = sample.want(impl.coverage.raws);
+    if (impl.coverage.raws.empty() && !impl.crypto_layers.empty()) {
+        for (const auto& rank : impl.crypto_layers.front().ranks) sample.want(std::vector{rank.second});
+    }
     const Semantic* base = impl.find("base_color");
     const int glossy_planes = base ? sample.want(base->glossy) : -1;
     sample.read();
@@ -272,6 +286,9 @@ void finish(GBuffer::Impl& impl, const GBufferOptions& options) {
     }
     choose_coverage(impl, sample, normal_planes, coverage_plane, alpha_plane);
     judge_glossy(impl, sample, glossy_planes);
+    const std::vector<int> coverage_planes = sample.places(impl.coverage.raws);
+    if (normal_planes >= 0 && coverage_planes.size() == impl.coverage.raws.size())
+        judge_normal_variance(impl, options, {sample.rows, static_cast<std::size_t>(normal_planes), coverage_planes});
     set_up_camera(impl, options, {sample.rows, position_planes, depth_plane, normal_planes});
 
     for (Semantic& s : impl.semantics) {
@@ -299,6 +316,15 @@ void finish(GBuffer::Impl& impl, const GBufferOptions& options) {
         info.interpretation = "share of the pixel that surfaces cover";
         info.reason = impl.coverage.reason;
         if (!impl.find("coverage")) impl.infos.push_back(std::move(info));
+    }
+    if (impl.normal_variance.on) {
+        ChannelInfo info = impl.find("normal")->info;
+        info.name = "normal_variance";
+        info.components = 1;
+        info.interpretation = "what alpha² of highlights grows by: 2(1 − |N|)/|N|, from |N| = 1 − " +
+                              number(static_cast<double>(impl.normal_variance.dead_zone)) + " down";
+        info.reason = impl.normal_variance.reason;
+        impl.infos.push_back(std::move(info));
     }
     if (impl.find("depth") && impl.view_source == ViewSource::camera) {
         derived("position", 3, "world space", "from the depth along the camera's rays");

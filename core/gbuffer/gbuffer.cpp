@@ -69,6 +69,8 @@ const ChannelInfo* GBuffer::find(std::string_view name) const {
     return nullptr;
 }
 
+bool GBuffer::normal_variance() const { return impl_->normal_variance.on; }
+
 const std::optional<Camera>& GBuffer::camera() const { return impl_->camera; }
 std::string_view GBuffer::camera_reason() const { return impl_->camera_reason; }
 double GBuffer::camera_error() const { return impl_->camera_error; }

@@ -76,6 +76,14 @@ struct Coverage {
     std::string reason;
 };
 
+/// Whether the normals' lengths widen highlights.
+struct Variance {
+    bool on = false;
+    float dead_zone = 0;       ///< how much shorter than 1 the storage alone may leave a unit normal
+    float edge_dead_zone = 0;  ///< the same for what was divided by a coverage below 1
+    std::string reason;
+};
+
 struct CryptoLayer {
     std::string name;                        ///< "ViewLayer.CryptoObject"
     std::vector<std::pair<int, int>> ranks;  ///< raw planes of ID and coverage, best covered first
@@ -96,6 +104,7 @@ struct GBuffer::Impl {
     std::vector<gbuffer::Semantic> semantics;
     std::vector<ChannelInfo> infos;  ///< of the semantics and of what is derived from them
     gbuffer::Coverage coverage;
+    gbuffer::Variance normal_variance;
     std::vector<gbuffer::CryptoLayer> crypto_layers;
     std::map<std::string, std::vector<std::string>> crypto_names;
 

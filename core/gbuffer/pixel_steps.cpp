@@ -7,33 +7,11 @@
 #include <cstring>
 
 #include "gbuffer/planes.h"
+#include "gbuffer/step_run.h"
 
 namespace relume::gbuffer {
 
 namespace {
-
-struct Run {
-    const Step& step;
-    const float* const* registers;
-    float* const* results;
-    int count;
-    int x;
-    const RunGeometry& geometry;
-    const RowPlanes& rows;
-
-    const float* in(std::size_t k) const { return step.in[k] < 0 ? nullptr : registers[step.in[k]]; }
-    float* out(std::size_t k) const { return results[step.out[k]]; }
-    const std::int32_t* offsets(std::size_t k) const { return reinterpret_cast<const std::int32_t*>(in(k)); }
-    ConstPlane plane(std::size_t k, int dy) const {
-        ConstPlane plane = rows.planes[step.in[k]];
-        const int row = rows.row + dy;
-        if (row < 0 || row >= rows.rows) return rows.beyond->row(step.in[k], dy);
-        plane.data += row * plane.y_stride;
-        return plane;
-    }
-    /// A pixel of a raw plane near the run: `column` counts from the run's first pixel, `dy` from its row.
-    float raw(std::size_t k, int column, int dy) const { return value_at(plane(k, dy), 0, rows.first_column + column); }
-};
 
 void scale(const Run& r) {
     const float* a = r.in(0);
@@ -95,6 +73,15 @@ template <bool kTransform> void direction(const Run& r, const float* share, cons
         ox[i] = none ? 0.0f : x * factor;
         oy[i] = none ? 0.0f : y * factor;
         oz[i] = none ? 0.0f : z * factor;
+    }
+    const std::int32_t* face = r.offsets(5);
+    for (int i = 0; face && i < r.count; ++i) {
+        if (face[i] == 0) continue;
+        const std::array<float, 3> n = vector_at(r, i + stand_in_column(face[i]), stand_in_row(face[i]));
+        const float factor = 1.0f / length_of(n);
+        ox[i] = n[0] * factor;
+        oy[i] = n[1] * factor;
+        oz[i] = n[2] * factor;
     }
 }
 
@@ -408,6 +395,15 @@ void run(const Step& step, const float* const* registers, float* const* results,
             return;
         case Op::ones:
             std::fill_n(r.out(0), count, 1.0f);
+            return;
+        case Op::variance:
+            variance(r);
+            return;
+        case Op::face:
+            face(r);
+            return;
+        case Op::widen:
+            widen(r);
             return;
     }
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "relume/image.h"
+#include "relume/parameter.h"
 
 namespace relume::gbuffer {
 
@@ -16,14 +17,15 @@ inline constexpr float kLeastCoverage = 1e-4f;
 
 /// One operation on a run of pixels. Sources and results are registers: rows of floats (or integers) that hold the run.
 enum class Op : std::uint8_t {
-    scale,      ///< r = a·scale + offset
-    divide,     ///< r = a·b·scale + offset, b = 1/coverage
-    product,    ///< r = a·b
-    coverage,   ///< r0 = clamped Σ sources, r1 = 1/r0 or 0
-    direction,  ///< r0…2 = unit vector of a0…2 (times a4 when given) in world space, 0 where it or coverage a3 is 0
-    turn,       ///< r0…2 = a0…2, negated where it looks away from a3…5
-    point,      ///< r0…2 = a0…2 (times a4 when given) in world space, repaired (by a3 when given)
-    depth,      ///< r = planar depth of a0 (times a2 when given), repaired (by a1 when given)
+    scale,     ///< r = a·scale + offset
+    divide,    ///< r = a·b·scale + offset, b = 1/coverage
+    product,   ///< r = a·b
+    coverage,  ///< r0 = clamped Σ sources, r1 = 1/r0 or 0
+    direction,  ///< r0…2 = unit vector of a0…2 (times a4 when given) in world space, 0 where it or coverage a3 is 0; of
+                ///< the pixel that a5 names where one stands in
+    turn,            ///< r0…2 = a0…2, negated where it looks away from a3…5
+    point,           ///< r0…2 = a0…2 (times a4 when given) in world space, repaired (by a3 when given)
+    depth,           ///< r = planar depth of a0 (times a2 when given), repaired (by a1 when given)
     depth_of_point,  ///< r = planar depth of the point a0…2
     point_at_depth,  ///< r0…2 = the pixel's ray at planar depth a0
     view,            ///< r0…2 = unit vector to the camera
@@ -33,6 +35,12 @@ enum class Op : std::uint8_t {
     identifier,      ///< r = a rounded, as integers, repaired (by a1 when given)
     matte,           ///< r = Σ coverage of the matching ranks, over layers the largest
     ones,            ///< r = 1
+    variance,  ///< r = what alpha² grows by for the length of the normal a0…2: of whole pixels by coverage a3, or
+               ///< of all of them where the normal is to be multiplied by a4; `scale` is the dead zone,
+               ///< `near` that of pixels with a share of the background
+    face,      ///< r0 = as `repair`, the pixel beside this one that shows the face which most of it shows, 0 where
+               ///< it shows one alone or none is known, r1 = the variance that is left of a3; normal a0…2
+    widen,     ///< r = a0 (or `offset` where there is none), as wide as `lobe_width` says, with variance a1
 };
 
 /// A Cryptomatte layer of a matte: pairs of registers, and the IDs to look for, sorted.
@@ -56,6 +64,9 @@ struct Step {
     bool ray = false;                ///< depth: measured along the pixel's ray
     float background = 1e-12f;       ///< direction: squared length up to which it is none
     float near = 0;                  ///< depth along the ray: where it starts
+    LobeWidth lobe_width = LobeWidth::none;
+    int block_rows = 0;  ///< face: rows that are always loaded together, counted from `block_top`; 0: all of them
+    int block_top = 0;
 };
 
 /// The neighbour in column dx (−8…8) and row dy (−1…1), as one number that is never 0.
@@ -85,6 +96,7 @@ public:
 /// Pixels of whole rows around the run, for repairs.
 struct RowPlanes {
     const ConstPlane* planes = nullptr;  ///< one per raw register
+    int y = 0;                           ///< of the run, absolute
     int row = 0;                         ///< of the run, in the planes
     int rows = 0;                        ///< of the planes
     int first_column = 0;                ///< of the run, in the planes

@@ -26,7 +26,20 @@ int chunk_rows(const GBuffer::Impl& impl, std::span<const int> raws) {
     return rows;
 }
 
-/// Rows to look at: bands far apart where a chunk costs many rows, single rows where it costs one.
+/// Adds the rows beside every `step`-th of `rows` from `first` on, as far as they lie in [top, bottom).
+void add_neighbours(std::vector<int>& rows, std::size_t first, std::size_t step, int top, int bottom) {
+    const std::size_t count = rows.size();
+    for (std::size_t k = first; k < count; k += step) {
+        for (const int y : {rows[k] - 1, rows[k] + 1}) {
+            if (y >= top && y < bottom) rows.push_back(y);
+        }
+    }
+    std::sort(rows.begin(), rows.end());
+    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+}
+
+/// Rows to look at: bands far apart where a chunk costs many rows, single rows where it costs one. Some stand between
+/// two others, which shows what changes from row to row.
 std::vector<int> choose_rows(const Window& window, int chunk, bool in_memory, bool dense) {
     const int height = window.height;
     std::vector<int> rows;
@@ -35,6 +48,7 @@ std::vector<int> choose_rows(const Window& window, int chunk, bool in_memory, bo
         for (int k = 0; k < count; ++k) {
             rows.push_back(window.y + static_cast<int>((2 * static_cast<std::int64_t>(k) + 1) * height / (2 * count)));
         }
+        if (!dense) add_neighbours(rows, 1, 3, window.y, window.y_end());
         return rows;
     }
     const int chunks = (height + chunk - 1) / chunk;
@@ -45,7 +59,11 @@ std::vector<int> choose_rows(const Window& window, int chunk, bool in_memory, bo
         const int size = std::min(chunk, height - top);
         // Where the chunks are few they must give more rows each.
         const int wanted = std::min(size, std::max(kRowsPerBand, kRowsInMemory / bands));
+        const std::size_t first = rows.size();
         for (int k = 0; k < wanted; ++k) rows.push_back(window.y + top + (2 * k + 1) * size / (2 * wanted));
+        if (!dense)
+            add_neighbours(rows, first + static_cast<std::size_t>(wanted) / 2, kRowsPerBand, window.y + top,
+                           window.y + top + size);
     }
     return rows;
 }

@@ -2,6 +2,7 @@
 #include "gbuffer/stored_image.h"
 
 #include <algorithm>
+#include <array>
 #include <mutex>
 
 #include "gbuffer/names.h"
@@ -31,6 +32,8 @@ namespace {
 class StoredPixels final : public PixelSource {
 public:
     explicit StoredPixels(StoredImage image) : image_(std::move(image)) {}
+
+    const StoredImage& image() const { return image_; }
 
     void read(const Window& region, std::span<const io::ReadTarget> targets) const override {
         const std::ptrdiff_t components = std::ssize(image_.channels);
@@ -120,6 +123,23 @@ SourceFile open_other_image(const std::filesystem::path& path, bool decode) {
     file.producer = {Producer::ml, "unknown", "images without a word about who wrote them"};
     file.pixels = std::make_shared<StoredPixels>(std::move(image));
     return file;
+}
+
+void convert_colors(SourceFile& file, const ColorMatrix& matrix) {
+    StoredImage image = dynamic_cast<const StoredPixels&>(*file.pixels).image();
+    std::array<std::size_t, 3> at{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        const auto found = std::find(image.channels.begin(), image.channels.end(), std::string(1, "RGB"[k]));
+        if (found == image.channels.end()) return;
+        at[k] = static_cast<std::size_t>(found - image.channels.begin());
+    }
+    for (std::size_t pixel = 0; pixel < image.pixels.size(); pixel += image.channels.size()) {
+        std::array<double, 3> rgb{};
+        for (std::size_t k = 0; k < 3; ++k) rgb[k] = image.pixels[pixel + at[k]];
+        rgb = transformed(matrix, rgb);
+        for (std::size_t k = 0; k < 3; ++k) image.pixels[pixel + at[k]] = static_cast<float>(rgb[k]);
+    }
+    file.pixels = std::make_shared<StoredPixels>(std::move(image));
 }
 
 }  // namespace gbuffer

@@ -7,7 +7,9 @@
 #include "gbuffer/gbuffer_impl.h"
 #include "gbuffer/names.h"
 #include "gbuffer/select.h"
+#include "gbuffer/stored_image.h"
 #include "relume/error.h"
+#include "relume/working_space.h"
 
 namespace relume::gbuffer {
 
@@ -56,6 +58,7 @@ public:
         take_semantics();
         take_parameters();
         take_working_space();
+        convert_decoded_colors();
         finish(*impl_, options_);
         return std::move(impl_);
     }
@@ -465,6 +468,29 @@ private:
             impl_->working_space_reason = "nothing in the header says otherwise";
         }
         impl_->straight_alpha = options_.alpha == AlphaMode::straight;
+    }
+
+    /// What was decoded from sRGB has Rec.709's primaries.
+    void convert_decoded_colors() {
+        const WorkingSpace* from = find_working_space("lin_rec709");
+        const WorkingSpace* to = find_working_space(impl_->working_space);
+        if (to == from) return;
+        const auto decoded = [](const SourceFile& source) { return source.decoded; };
+        if (std::none_of(impl_->files.begin(), impl_->files.end(), decoded)) return;
+        if (!to) {
+            impl_->notes.push_back("colours decoded from sRGB stay in Rec.709: the working space '" +
+                                   impl_->working_space + "' is none that relume can convert to");
+            return;
+        }
+        const ColorMatrix matrix = rgb_to_rgb(from->chromaticities, to->chromaticities);
+        for (SourceFile& source : impl_->files) {
+            if (source.decoded) convert_colors(source, matrix);
+        }
+        for (Semantic& s : impl_->semantics) {
+            const Address& address = impl_->raws[static_cast<std::size_t>(s.raws.front())].address;
+            if (file(address.file).decoded)
+                s.info.reason += ", and converted from Rec.709 to " + std::string(to->label);
+        }
     }
 
     const GBufferOptions& options_;

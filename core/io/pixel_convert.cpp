@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <limits>
 
 #if defined(__x86_64__) && !defined(RELUME_NO_SIMD)
 #  include <immintrin.h>
@@ -50,9 +51,15 @@ __attribute__((target("avx2,f16c"))) std::size_t halves_to_floats_f16c(const std
 
 __attribute__((target("avx2,f16c"))) std::size_t floats_to_halves_f16c(const std::byte* floats, std::byte* halves,
                                                                        std::size_t count) {
+    const __m256 sign = _mm256_set1_ps(-0.0f), most = _mm256_set1_ps(65504.0f);
+    const __m256 infinity = _mm256_set1_ps(std::numeric_limits<float>::infinity());
     std::size_t i = 0;
     for (; i + 8 <= count; i += 8) {
-        const __m256 a = _mm256_loadu_ps(reinterpret_cast<const float*>(floats + 4 * i));
+        __m256 a = _mm256_loadu_ps(reinterpret_cast<const float*>(floats + 4 * i));
+        const __m256 magnitude = _mm256_andnot_ps(sign, a);
+        const __m256 over =
+            _mm256_and_ps(_mm256_cmp_ps(magnitude, most, _CMP_GT_OQ), _mm256_cmp_ps(magnitude, infinity, _CMP_LT_OQ));
+        a = _mm256_blendv_ps(a, _mm256_or_ps(_mm256_and_ps(sign, a), most), over);
         _mm_storeu_si128(reinterpret_cast<__m128i*>(halves + 2 * i),
                          _mm256_cvtps_ph(a, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC));
     }
@@ -127,8 +134,8 @@ std::uint16_t float_to_half(float value) {
     if (magnitude > 0x7f800000u) {
         return static_cast<std::uint16_t>(sign | 0x7e00u | ((magnitude >> 13) & 0x3ffu));
     }
-    if (magnitude >= 0x477ff000u) {  // 65520, half way between the largest half and the next power of two
-        return static_cast<std::uint16_t>(sign | 0x7c00u);
+    if (magnitude >= 0x477fe000u) {  // 65504, the largest half
+        return static_cast<std::uint16_t>(sign | (magnitude == 0x7f800000u ? 0x7c00u : 0x7bffu));
     }
     if (magnitude < 0x38800000u) {  // below 2^-14: adding 0.5 makes the float's last bit worth 2^-24
         const float shifted = std::bit_cast<float>(magnitude) + 0.5f;

@@ -11,7 +11,8 @@ namespace relume::io {
 /// One IEEE 754 binary16 value, exactly. NaNs keep their payload and become quiet.
 float half_to_float(std::uint16_t half);
 
-/// Rounds to nearest, ties to even; overflows to infinity from 65520 on. NaNs stay NaNs.
+/// Rounds to nearest, ties to even. What is finite stays so: beyond the largest half it becomes that, ±65504.
+/// Infinities and NaNs stay what they are.
 std::uint16_t float_to_half(float value);
 
 /// A run of `count` values at `data`, `stride` bytes apart (negative strides run backwards; nothing need be aligned).

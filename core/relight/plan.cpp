@@ -2,6 +2,7 @@
 #include "relight/plan.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "relume/error.h"
@@ -21,6 +22,9 @@ std::string names_of(const std::vector<Light>& lights) {
     for (const Light& light : lights) out += (out.empty() ? "" : ", ") + light.name;
     return out.empty() ? "none" : out;
 }
+
+/// A number to the last bit, for keys.
+std::string bits_text(double value) { return std::to_string(std::bit_cast<std::uint64_t>(value)); }
 
 constexpr std::string_view kLobeNames[] = {"diffuse", "specular", "transmission"};
 
@@ -53,8 +57,8 @@ std::vector<AovInfo> aovs(const Rig& rig) {
 
 int Plan::request(ChannelRequest wanted) {
     std::string key = std::to_string(static_cast<int>(wanted.kind)) + '/' + wanted.name + '/' +
-                      std::to_string(wanted.components) + '/' + std::to_string(wanted.scale) + '/' +
-                      std::to_string(wanted.offset);
+                      std::to_string(wanted.components) + '/' + std::to_string(static_cast<int>(wanted.widen)) + '/' +
+                      bits_text(wanted.scale) + '/' + bits_text(wanted.offset);
     for (const auto& pattern : wanted.patterns) key += '\n' + pattern;
     const auto [it, added] = known_.try_emplace(key, plane_count);
     if (added) {
@@ -66,9 +70,13 @@ int Plan::request(ChannelRequest wanted) {
     return it->second;
 }
 
-int Plan::request_semantic(const GBuffer& gbuffer, const std::string& name, int components) {
+int Plan::request_semantic(const GBuffer& gbuffer, const std::string& name, int components, LobeWidth widen) {
     if (gbuffer.find(name) == nullptr) return -1;
-    return request({.kind = ChannelRequest::Kind::semantic, .name = name, .components = components, .patterns = {}});
+    return request({.kind = ChannelRequest::Kind::semantic,
+                    .name = name,
+                    .components = components,
+                    .patterns = {},
+                    .widen = widen});
 }
 
 int Plan::request_matte(const std::vector<std::string>& patterns) {
@@ -163,6 +171,7 @@ int Plan::bind(const GBuffer& gbuffer, const ShaderInfo& shader, const ShaderUse
         }
         const int components = p.components();
         const Value* given = use.values.find(p.name);
+        const LobeWidth widen = gbuffer.normal_variance() ? p.lobe_width : LobeWidth::none;
         int plane = -1;
         if (given != nullptr && std::holds_alternative<ChannelRef>(*given)) {
             const auto& ref = std::get<ChannelRef>(*given);
@@ -171,17 +180,24 @@ int Plan::bind(const GBuffer& gbuffer, const ShaderInfo& shader, const ShaderUse
                              .components = components,
                              .patterns = {},
                              .scale = ref.scale,
-                             .offset = ref.offset});
+                             .offset = ref.offset,
+                             .widen = widen});
         } else if (given == nullptr) {
             const ChannelInfo* channel = gbuffer.find(p.name);
             if (channel != nullptr && channel->components == components)
-                plane = request_semantic(gbuffer, std::string(p.name), components);
+                plane = request_semantic(gbuffer, std::string(p.name), components, widen);
         }
         std::array<double, 3> constant = p.value;
         if (given != nullptr && plane < 0) {
             if (components == 3) constant = use.values.triple(shader.parameters, p.name);
             else constant[0] = use.values.number(shader.parameters, p.name);
         }
+        if (plane < 0 && widen != LobeWidth::none)
+            plane = request({.kind = ChannelRequest::Kind::constant,
+                             .name = std::string(p.name),
+                             .patterns = {},
+                             .offset = constant[0],
+                             .widen = widen});
         for (int k = 0; k < components; ++k) {
             const auto slot = static_cast<std::size_t>(p.slot + k);
             binding.slot_planes[slot] = plane < 0 ? -1 : plane + k;

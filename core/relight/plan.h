@@ -82,7 +82,8 @@ struct Plan {
 
 private:
     int request(ChannelRequest wanted);
-    int request_semantic(const GBuffer& gbuffer, const std::string& name, int components);
+    int request_semantic(const GBuffer& gbuffer, const std::string& name, int components,
+                         LobeWidth widen = LobeWidth::none);
     int request_matte(const std::vector<std::string>& patterns);
     int add_mask(const BakedLight& light);
     void add_lights(const GBuffer& gbuffer, const Rig& rig);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "relight/shade_pass.h"
 
-#include <Imath/half.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+
+#include "io/pixel_convert.h"
 
 namespace relume {
 
@@ -21,10 +21,8 @@ bool finite(float x) { return std::isfinite(x); }
 void store_row(const Plane& plane, const float* values, int count) {
     std::byte* to = plane.data;
     if (plane.type == PixelType::half) {
-        for (int i = 0; i < count; ++i, to += plane.x_stride) {
-            const Imath::half h(values[i]);
-            std::memcpy(to, &h, sizeof h);
-        }
+        io::convert_run({reinterpret_cast<const std::byte*>(values), PixelType::float32, sizeof(float)},
+                        {to, PixelType::half, plane.x_stride}, static_cast<std::size_t>(count));
     } else if (plane.x_stride == sizeof(float)) {
         std::memcpy(to, values, static_cast<std::size_t>(count) * sizeof(float));
     } else {

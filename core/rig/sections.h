@@ -36,6 +36,7 @@ template <class SomeRig, class Visit> void for_each_gbuffer_member(SomeRig& rig,
     visit("view", rig.gbuffer.view);
     visit("alpha", rig.gbuffer.alpha);
     visit("working_space", rig.gbuffer.working_space);
+    visit("normal_variance", rig.gbuffer.normal_variance);
 }
 
 template <class Options, class Visit> void for_each_camera_member(Options& o, Visit visit) {

@@ -57,6 +57,14 @@ constexpr Parameter kGBuffer[] = {
          "The space that the file's colours and the lights' are in, as \"lin_rec709\". When absent it is read from the file's "
          "chromaticities or metadata.",
      .has_default = false},
+    {.name = "normal_variance",
+     .type = choice,
+     .label = "Normal variance",
+     .help =
+         "Whether a normal shorter than 1 is a mean over the pixel, which widens the pixel's highlights: at creases one mean "
+         "normal stands for several surfaces. \"auto\" (also when absent) asks the pixels; `relume inspect` says what was found.",
+     .choices = "auto|on|off",
+     .has_default = false},
 };
 
 constexpr Parameter kChannelRule[] = {

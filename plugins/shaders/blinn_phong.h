@@ -33,7 +33,7 @@ struct BlinnPhong {
     static constexpr Parameter parameters[] = {
         row::base_color(RELUME_SLOT(base_color)),
         row::specular_color(RELUME_SLOT(specular_color), 0.04),
-        row::exponent(RELUME_SLOT(exponent), 32, 256),
+        row::exponent(RELUME_SLOT(exponent), 32, 256, LobeWidth::half_exponent),
         row::roughness(RELUME_SLOT(roughness)),
         row::ambient(RELUME_SLOT(ambient)),
         row::emission(RELUME_SLOT(emission)),

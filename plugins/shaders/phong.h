@@ -28,9 +28,12 @@ struct Phong {
         std::int32_t energy_conserving;
     };
     static constexpr Parameter parameters[] = {
-        row::base_color(RELUME_SLOT(base_color)),      row::specular_color(RELUME_SLOT(specular_color), 0.04),
-        row::exponent(RELUME_SLOT(exponent), 32, 128), row::ambient(RELUME_SLOT(ambient)),
-        row::emission(RELUME_SLOT(emission)),          row::energy_conserving(RELUME_OPTION(energy_conserving)),
+        row::base_color(RELUME_SLOT(base_color)),
+        row::specular_color(RELUME_SLOT(specular_color), 0.04),
+        row::exponent(RELUME_SLOT(exponent), 32, 128, LobeWidth::mirror_exponent),
+        row::ambient(RELUME_SLOT(ambient)),
+        row::emission(RELUME_SLOT(emission)),
+        row::energy_conserving(RELUME_OPTION(energy_conserving)),
     };
     static constexpr bool needs_tangent = false;
     static constexpr bool lit_from_below = false;

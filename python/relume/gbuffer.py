@@ -51,6 +51,7 @@ class GBuffer:
         camera: ArrayLike | Mapping[str, object] | Camera | None = None,
         alpha: ArrayLike | str | None = None,
         working_space: str | None = None,
+        normal_variance: str | None = None,
         **arrays: ArrayLike,
     ) -> None:
         """Take arrays in memory.
@@ -65,6 +66,8 @@ class GBuffer:
                 ``position`` where that is given.
             alpha: (H, W) the beauty's alpha; or "premultiplied" or "straight", which is what the beauty's colours are.
             working_space: what the colours are in, "lin_rec709" by default.
+            normal_variance: "on", "off" or "auto" (the default): whether a normal shorter than 1 is a mean over the
+                pixel, which widens the pixel's highlights.
             arrays: by semantic name. beauty (H, W, 3 or 4), coverage, position (H, W, 3), view (H, W, 3) unit
                 to the camera, depth, base_color (H, W, 3), roughness, metallic, specular, emission (H, W, 3),
                 ambient_occlusion, opacity, tangent (H, W, 3), object_id, material_id, shading_model_id; and any
@@ -77,7 +80,7 @@ class GBuffer:
         mode = alpha if isinstance(alpha, str) else None
         given = {"normal": normal, "alpha": None if mode else alpha} | arrays
         self._arrays = {name: _without_copy(name, array) for name, array in given.items() if array is not None}
-        options = _options(None, None, None, mode, working_space, channels, camera)
+        options = _options(None, None, None, mode, working_space, normal_variance, channels, camera)
         self._gbuffer = _relume.GBuffer.from_arrays(self._arrays, options._rig)
         _check_camera(camera, self._gbuffer.camera)
 
@@ -92,6 +95,7 @@ class GBuffer:
         view: str | None = None,
         alpha: str | None = None,
         working_space: str | None = None,
+        normal_variance: str | None = None,
         channels: ChannelRules | None = None,
         camera: ArrayLike | Mapping[str, object] | Camera | None = None,
     ) -> GBuffer:
@@ -105,6 +109,7 @@ class GBuffer:
             view: "left", … of a stereo file.
             alpha: "premultiplied" or "straight".
             working_space: what the colours are in, where the file does not say or is wrong.
+            normal_variance: as in GBuffer().
             channels: by semantic name a channel, layer or further file, or a mapping of the keys of a rig's
                 [gbuffer.channels]: ``{"normal": {"channel": "N", "space": "camera"}}``. Files that are not EXR (PNG,
                 JPEG, TIFF) are read by the package OpenImageIO: sRGB is decoded for colours of 8 bits, vectors are
@@ -117,7 +122,7 @@ class GBuffer:
             ChannelError: it has no normal, or several and nothing says which; further files of another size.
             UnknownNameError: an argument that no rig knows.
         """
-        options = _options(rig, part, view, alpha, working_space, channels, camera)
+        options = _options(rig, part, view, alpha, working_space, normal_variance, channels, camera)
         main = main_file(path, options)
         if frame is not None:
             from relume.frames import resolve_frame
@@ -315,12 +320,20 @@ def _options(
     view: str | None,
     alpha: str | None,
     working_space: str | None,
+    normal_variance: str | None,
     channels: ChannelRules | None,
     camera: ArrayLike | Mapping[str, object] | Camera | None,
 ) -> Rig:
     """A rig whose [gbuffer] and [camera] say all that was given."""
     options = rig.copy() if rig is not None else Rig()
-    for key, word in (("part", part), ("view", view), ("alpha", alpha), ("working_space", working_space)):
+    words = {
+        "part": part,
+        "view": view,
+        "alpha": alpha,
+        "working_space": working_space,
+        "normal_variance": normal_variance,
+    }
+    for key, word in words.items():
         if word is not None:
             setattr(options.gbuffer, key, word)
     for name, rule in (channels or {}).items():

@@ -460,7 +460,7 @@ class Channels(MutableMapping[str, ChannelRule]):
 
 
 class GBufferSection(Section):
-    """How the G-buffer is read: file, part, view, alpha, working_space, and ``channels``."""
+    """How the G-buffer is read: file, part, view, alpha, working_space, normal_variance, and ``channels``."""
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

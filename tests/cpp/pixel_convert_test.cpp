@@ -26,11 +26,12 @@ double half_value(std::uint16_t half) {
     return sign * (exponent == 0 ? std::ldexp(fraction, -24) : std::ldexp(1024 + fraction, exponent - 25));
 }
 
-// The nearest half by search, ties to the even one, in exact arithmetic: the sum of two neighbours is exact in double.
+// The nearest finite half by search, ties to the even one, in exact arithmetic: the sum of two neighbours is exact in
+// double.
 std::uint16_t nearest_half(float value) {
     const std::uint16_t sign = std::signbit(value) ? 0x8000 : 0;
     const double magnitude = std::abs(static_cast<double>(value));
-    if (magnitude >= 65520.0) {
+    if (std::isinf(value)) {
         return static_cast<std::uint16_t>(sign | 0x7c00);
     }
     std::uint16_t low = 0;
@@ -104,6 +105,20 @@ TEST(PixelConvert, FloatToHalfRoundsToNearestEven) {
                 ASSERT_EQ(halves[i], nearest_half(floats[i])) << floats[i];
             }
         }
+    }
+}
+
+TEST(PixelConvert, WhatIsFiniteStaysFiniteInHalf) {
+    const float infinity = std::numeric_limits<float>::infinity(), largest = std::numeric_limits<float>::max();
+    const std::vector<float> floats{65504,  65505,  65519.996f, 65520,    65536,     1e6f, largest, infinity,
+                                    -65504, -65520, -1e30f,     -largest, -infinity, 1,    -0.0f,   3};
+    const std::vector<double> expected{65504,  65504,  65504,  65504,  65504,     65504, 65504, HUGE_VAL,
+                                       -65504, -65504, -65504, -65504, -HUGE_VAL, 1,     0,     3};
+    for (const bool scalar : {false, true}) {
+        std::vector<std::uint16_t> halves(floats.size());
+        floats_to_halves(std::as_bytes(std::span(floats)).data(), std::as_writable_bytes(std::span(halves)).data(),
+                         floats.size(), scalar);
+        for (std::size_t i = 0; i < floats.size(); ++i) EXPECT_EQ(half_value(halves[i]), expected[i]) << floats[i];
     }
 }
 

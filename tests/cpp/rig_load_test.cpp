@@ -67,6 +67,7 @@ part = "ViewLayer"
 view = "left"
 alpha = "straight"
 working_space = "lin_rec709"
+normal_variance = "on"
 [gbuffer.channels]
 normal = "N"
 base_color = { channel = "albedo", premultiplied = false }
@@ -114,6 +115,7 @@ metadata = "none"
     EXPECT_EQ(rig.gbuffer.view, "left");
     EXPECT_EQ(rig.gbuffer.alpha, AlphaMode::straight);
     EXPECT_EQ(rig.gbuffer.working_space, "lin_rec709");
+    EXPECT_EQ(rig.gbuffer.normal_variance, NormalVariance::on);
     const auto& channels = rig.gbuffer.channels;
     EXPECT_EQ(channels.at("normal"), from_channel("N"));
     EXPECT_EQ(channels.at("base_color").premultiplied, false);

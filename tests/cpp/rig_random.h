@@ -142,6 +142,7 @@ public:
         if (coin(0.3)) out.gbuffer.view = text();
         if (coin(0.3)) out.gbuffer.alpha = coin() ? AlphaMode::premultiplied : AlphaMode::straight;
         if (coin(0.3)) out.gbuffer.working_space = text();
+        if (coin(0.3)) out.gbuffer.normal_variance = static_cast<NormalVariance>(below(3));
         const auto names = channel_names();
         for (int k = below(4); k > 0; --k)
             out.gbuffer.channels[std::string(names[static_cast<std::size_t>(below(static_cast<int>(names.size())))])] =

@@ -41,6 +41,38 @@ def test_arrays_come_back() -> None:
     assert "normal" in repr(gbuffer)
 
 
+def creased(height: int = 5, width: int = 21) -> np.ndarray:
+    """Two faces that meet in the middle column, which holds their mean."""
+    normal = np.zeros((height, width, 3), np.float32)
+    normal[:, : width // 2] = (-0.6, 0, 0.8)
+    normal[:, width // 2] = (0, 0, 0.8)
+    normal[:, width // 2 + 1 :] = (0.6, 0, 0.8)
+    return normal
+
+
+def test_normal_variance() -> None:
+    gbuffer = GBuffer(normal=creased())
+    assert not gbuffer["normal_variance"].any()  # the face beside the crease stands in
+    assert np.abs(gbuffer["normal"][2, 10]) == pytest.approx([0.6, 0, 0.8])
+    assert {info.name: info.reason for info in gbuffer.channels}["normal_variance"].endswith("means over the pixel")
+    assert "normal_variance" not in GBuffer(normal=creased(), normal_variance="off")
+    short = np.full((5, 21, 3), (0, 0, 0.8), np.float32)
+    assert "normal_variance" not in GBuffer(normal=short)
+    assert GBuffer(normal=short, normal_variance="on")["normal_variance"] == pytest.approx(0.5, rel=1e-4)
+    with pytest.raises(relume.Error, match="normal_variance"):
+        GBuffer(normal=creased(), normal_variance="sometimes")
+
+
+def test_normal_variance_of_a_rig(tmp_path: Path) -> None:
+    normal = creased()
+    path = write_exr(tmp_path / "creased.exr", {f"N.{axis}": normal[..., k] for k, axis in enumerate("XYZ")})
+    assert "normal_variance" in GBuffer.read(path)
+    rig = relume.Rig()
+    rig.set("gbuffer.normal_variance", "off")
+    assert "normal_variance" not in GBuffer.read(path, rig=rig)
+    assert "normal_variance" in GBuffer.read(path, rig=rig, normal_variance="on")
+
+
 def test_no_copy() -> None:
     given = arrays()
     gbuffer = GBuffer(**given)

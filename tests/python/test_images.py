@@ -59,6 +59,45 @@ def test_beside_an_exr(tmp_path: Path, images: dict[str, np.ndarray], flat: Path
     np.testing.assert_array_equal(gbuffer["normal"][0, 0], (0, 0, 1))
 
 
+# Rec.709 to ACES AP1 with Bradford's adaptation, as ACES prints it; and to Rec.2020 (ITU-R BT.2087-0).
+TO_AP1 = (
+    (0.6130974024, 0.3395231462, 0.0473794514),
+    (0.0701937225, 0.9163538791, 0.0134523985),
+    (0.0206155929, 0.1095697729, 0.8698146342),
+)
+TO_REC2020 = ((0.6274, 0.3293, 0.0433), (0.0691, 0.9195, 0.0114), (0.0164, 0.0880, 0.8956))
+
+
+@pytest.mark.parametrize(
+    ("space", "matrix", "tolerance"), [("lin_ap1", TO_AP1, 2e-5), ("lin_rec2020", TO_REC2020, 1e-4)]
+)
+def test_srgb_comes_into_the_working_space(
+    tmp_path: Path, images: dict[str, np.ndarray], flat: Path, space: str, matrix: object, tolerance: float
+) -> None:
+    channels = {"base_color": tmp_path / "base_color.png", "roughness": tmp_path / "roughness.png"}
+    gbuffer = GBuffer.read(flat, channels=channels, working_space=space)
+    linear = from_srgb(images["base_color"].astype(np.float64) / 255)
+    np.testing.assert_allclose(gbuffer["base_color"], linear @ np.array(matrix).T, atol=tolerance)
+    np.testing.assert_allclose(gbuffer["roughness"], images["roughness"][..., 0] / 65535, rtol=1e-6)
+    reasons = {info.name: info.reason for info in gbuffer.channels}
+    assert "Rec.709" in reasons["base_color"]
+    assert "Rec.709" not in reasons["roughness"]
+
+
+def test_grey_is_grey_in_every_space(tmp_path: Path, flat: Path) -> None:
+    levels = np.arange(24, dtype=np.uint8).reshape(4, 6, 1) * 10
+    path = write_image(tmp_path / "grey.png", levels)
+    gbuffer = GBuffer.read(flat, channels={"base_color": path}, working_space="lin_ap0")
+    expected = np.repeat(from_srgb(levels.astype(np.float64) / 255), 3, axis=2)
+    np.testing.assert_allclose(gbuffer["base_color"], expected, atol=1e-6)
+
+
+def test_an_unknown_space_is_said(tmp_path: Path, images: dict[str, np.ndarray], flat: Path) -> None:
+    gbuffer = GBuffer.read(flat, channels={"base_color": tmp_path / "base_color.png"}, working_space="lin_house")
+    np.testing.assert_allclose(gbuffer["base_color"], from_srgb(images["base_color"] / 255), rtol=1e-5)
+    assert any("lin_house" in note and "sRGB" in note for note in gbuffer.notes)
+
+
 def test_one_file_for_two(tmp_path: Path, images: dict[str, np.ndarray], flat: Path) -> None:
     """As a colour its sRGB is decoded, as a number it is not."""
     path = tmp_path / "base_color.png"

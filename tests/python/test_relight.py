@@ -97,6 +97,25 @@ def test_out(ggx_rig: Rig, dtype: type) -> None:
     np.testing.assert_array_equal(result["specular"], expected["specular"])
 
 
+def test_half_does_not_overflow(tmp_path: Path) -> None:
+    """What is finite stays so, in arrays and in files; infinity in the input is black, as ever."""
+    emission = np.array([1, 65504, 65519, 65520, 1e6, 1e37, np.inf, np.nan], np.float32)
+    wanted = np.array([1, 65504, 65504, 65504, 65504, 65504, 0, 0], np.float16)
+    normal = np.zeros((1, 8, 3), np.float32)
+    normal[..., 2] = 1
+    gbuffer = GBuffer(normal=normal, emission=np.repeat(emission[None, :, None], 3, axis=2), base_color=0 * normal)
+    rig = Rig.loads(KEY)
+    rig.shader.add("lambert")
+    interleaved, planar = np.zeros((1, 8, 4), np.float16), np.zeros((4, 1, 8), np.float16)
+    for beauty in (interleaved, np.moveaxis(planar, 0, -1)):
+        relight(gbuffer, rig, out={"beauty": beauty})
+        np.testing.assert_array_equal(beauty[0, :, 1], wanted)
+    relight_file(gbuffer, rig, tmp_path / "half.exr")
+    np.testing.assert_array_equal(read_exr(tmp_path / "half.exr")["G"][0], wanted)
+    whole = relight(gbuffer, rig)["beauty"][0, :6, 1]
+    np.testing.assert_allclose(whole, emission[:6], rtol=1e-6)
+
+
 def test_threads_change_nothing(ggx_rig: Rig) -> None:
     gbuffer, _ = random_gbuffer()
     one, five = relight(gbuffer, ggx_rig, threads=1), relight(gbuffer, ggx_rig, threads=5)

@@ -14,9 +14,9 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "truth"))
 
-from cases import Case, Result, cases, measure_reference, run
-from measure import EDGE_BAR, MEDIAN_BAR, P99_BAR
-from rigs import committed
+from cases import Case, Result, cases, measure_reference, relight, run
+from measure import EDGE_BAR, MEDIAN_BAR, P99_BAR, compare_edges
+from rigs import committed, rig
 from truth_scenes import Scene, own_scenes, shared_data, shared_scenes
 
 # Single precision against double on the same G-buffer, relative to the brightest channel. At the rim of a spot's cone
@@ -62,6 +62,20 @@ def test_the_reference_itself_meets_the_renderer(case: Case) -> None:
 def test_the_rigs_in_the_repository_are_those_that_were_tested(scene: Scene) -> None:
     path, text = committed(scene)
     assert path.read_text(encoding="utf-8") == text
+
+
+@pytest.mark.parametrize("case", _cases(own_scenes(), filters=("aa",)))
+def test_averaged_normals_do_not_flash(case: Case, tmp_path: Path) -> None:
+    """Against the same frame relit with every mean normal taken as a surface's own."""
+    result = run(case, tmp_path)
+    text = rig(case.scene, case.lights, case.model) + '[gbuffer]\nnormal_variance = "off"\n'
+    gbuffer = case.scene.gbuffers[case.camera, case.kind]
+    off = compare_edges(relight(gbuffer, text, tmp_path, "off"), result.truth, result.surface)
+    own = result.edges
+    assert own is not None
+    assert own.mixed < 0.6 * off.mixed, (own, off)
+    assert own.inner_fireflies < 0.65 * off.inner_fireflies, (own, off)
+    assert own.worst <= off.worst, (own, off)
 
 
 SHARED = _cases(shared_scenes())

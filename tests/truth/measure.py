@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 MEDIAN_BAR, P99_BAR = 5e-4, 3e-3
 # An antialiased silhouette, absolute; what is left is that one normal stands for all of a pixel's samples.
 EDGE_BAR = 3e-3
+# Below this length a normal is a mean of several: the root mean square error there.
+MIXED_LENGTH = 0.999
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,7 @@ class Edges:
     A firefly is brighter than the brightest truth of its 3×3 neighbourhood by a quarter and 0.02, a dark fringe darker
     than the darkest by the same. `fireflies` and `fringes` are counted at partly covered pixels and their neighbours,
     `inner_fireflies` at borders of one object with another and at creases, where one mean normal stands for two
-    surfaces; `worst` is the largest excess there.
+    surfaces; `worst` is the largest excess there, `mixed` the root mean square error where the normal is such a mean.
     """
 
     count: int
@@ -90,6 +92,7 @@ class Edges:
     fringes: int
     inner_fireflies: int
     worst: float
+    mixed: float
 
 
 def _local(values: NDArray[np.generic], reduce: np.ufunc) -> NDArray[np.generic]:
@@ -110,6 +113,8 @@ def compare_edges(image: Array, truth: Array, surface: Surface) -> Edges:
     above = np.nan_to_num((image - 1.25 * _local(truth, np.maximum) - 0.02).max(axis=-1), nan=np.inf)
     below = np.nan_to_num((0.75 * _local(truth, np.minimum) - 0.02 - image).max(axis=-1), nan=np.inf)
     inner = covered & ~near
+    length = np.linalg.norm(surface.normal, axis=-1) / np.where(covered, surface.coverage, 1.0)
+    mixed = (image - truth)[covered & (length < MIXED_LENGTH)]
     return Edges(
         count=edge.size,
         median=float(np.median(edge)),
@@ -118,6 +123,7 @@ def compare_edges(image: Array, truth: Array, surface: Surface) -> Edges:
         fringes=int((near & (below > 0)).sum()),
         inner_fireflies=int((inner & (above > 0)).sum()),
         worst=max(0.0, float(above[inner].max())),
+        mixed=float(np.sqrt(np.nan_to_num(mixed**2, nan=np.inf).mean())),
     )
 
 

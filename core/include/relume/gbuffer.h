@@ -14,6 +14,7 @@
 #include "relume/camera.h"
 #include "relume/export.h"
 #include "relume/image.h"
+#include "relume/parameter.h"
 
 namespace relume {
 
@@ -21,6 +22,8 @@ enum class Encoding : std::uint8_t { as_is, zero_to_one };  ///< vectors stored 
 enum class Space : std::uint8_t { world, camera };
 enum class DepthKind : std::uint8_t { planar, ray };  ///< along the view axis, or along the pixel's ray
 enum class AlphaMode : std::uint8_t { premultiplied, straight };
+/// Whether normals shorter than 1 are means over the pixel, whose highlights are widened by what they average.
+enum class NormalVariance : std::uint8_t { automatic, on, off };
 
 /// How one semantic channel is stored. What is absent is detected, with a reason that `inspect` prints.
 struct ChannelRule {
@@ -43,8 +46,9 @@ struct GBufferOptions {
     std::optional<std::string> part;  ///< layer or part to take
     std::optional<std::string> view;  ///< "left", …
     std::optional<AlphaMode> alpha;
-    std::optional<std::string> working_space;     ///< OCIO or interop name, e.g. "lin_rec709", "lin_ap1"
-    std::map<std::string, ChannelRule> channels;  ///< by semantic name
+    std::optional<std::string> working_space;       ///< OCIO or interop name, e.g. "lin_rec709", "lin_ap1"
+    std::optional<NormalVariance> normal_variance;  ///< absent: automatic
+    std::map<std::string, ChannelRule> channels;    ///< by semantic name
 
     std::optional<std::array<double, 16>> camera_matrix;  ///< row-major camera-to-world
     std::optional<double> fov;                            ///< degrees, horizontal, of the display window
@@ -79,9 +83,10 @@ struct Metadata;
 
 /// Semantic names that relume knows beyond shader parameters, with their components.
 ///   beauty 3 (as rendered, premultiplied), alpha 1, coverage 1 (share of the pixel that the surface covers),
-///   normal 3 (world, unit, or 0 on background), position 3 (world), view 3 (unit, from the surface to the camera),
-///   depth 1 (planar), base_color 3, roughness 1, metallic 1, specular 1, emission 3, ambient_occlusion 1, opacity 1,
-///   tangent 3 (world), object_id, material_id, shading_model_id 1 (std::uint32_t planes).
+///   normal 3 (world, unit, or 0 on background), normal_variance 1 (what alpha² grows by), position 3 (world), view 3
+///   (unit, from the surface to the camera), depth 1 (planar), base_color 3, roughness 1, metallic 1, specular 1,
+///   emission 3, ambient_occlusion 1, opacity 1, tangent 3 (world), object_id, material_id, shading_model_id 1
+///   (std::uint32_t planes).
 
 /// What a shading pass wants of a G-buffer, by name; answered by BandReader in canonical form.
 struct ChannelRequest {
@@ -90,6 +95,7 @@ struct ChannelRequest {
         raw,    ///< `name` is a channel or layer of the file: value·scale + offset, divided by coverage where averaged
         id,     ///< `name` is an ID's semantic name: std::uint32_t, fractions rounded
         matte,  ///< Σ coverage of the Cryptomatte names that match one of `patterns` (globs)
+        constant,  ///< `offset` in every pixel: of use with `widen`
     };
     Kind kind = Kind::semantic;
     std::string name;
@@ -97,6 +103,7 @@ struct ChannelRequest {
     std::vector<std::string> patterns;
     double scale = 1;
     double offset = 0;
+    LobeWidth widen = LobeWidth::none;  ///< what the values say; they are widened where GBuffer::normal_variance()
 };
 
 /// An understood G-buffer: where each semantic channel lies and how to bring it to one canonical form. Holds no pixels
@@ -123,6 +130,8 @@ public:
     std::string_view working_space() const;  ///< "lin_rec709" when nothing says otherwise
     const std::vector<ChannelInfo>& channels() const;
     const ChannelInfo* find(std::string_view name) const;
+    /// Whether the lengths of the normals widen highlights; channels() then lists "normal_variance", and why.
+    bool normal_variance() const;
 
     /// Absent when neither header, positions nor options give one.
     const std::optional<Camera>& camera() const;

@@ -23,6 +23,17 @@ enum class ParameterType : std::uint8_t {
     number_list,  ///< numbers, e.g. the attenuation coefficients; `count` of them (0: any number)
 };
 
+/// How a shader parameter says how wide a highlight is. Where a pixel averages several normals, its highlight is wider
+/// than theirs: alpha², twice the variance of the slopes along one axis, grows by twice the normals' own variance.
+enum class LobeWidth : std::uint8_t {
+    none,             ///< nothing of the kind
+    roughness,        ///< perceptual: alpha = value²; 0 is a mirror and stays one
+    alpha,            ///< alpha itself
+    half_exponent,    ///< cosine power about the half vector: alpha² = 2/(value + 2) (Walter 2007, section 5.2)
+    mirror_exponent,  ///< cosine power about the mirrored view: as a fourfold one about the half vector
+    gloss,            ///< alpha = 0.1 at 0 to 0.001 at 1 (Burley 2012, of his clearcoat)
+};
+
 inline constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 /// One row of a parameter table. A literal type: tables are constexpr, in read-only memory, and hold no owning pointer.
@@ -34,13 +45,14 @@ struct Parameter {
     double max = kUnbounded;
     double soft_min = 0;  ///< range of a slider
     double soft_max = 1;
-    std::string_view unit{};     ///< "W/sr", "degrees", "" when dimensionless
-    std::string_view label{};    ///< "Base Color"
-    std::string_view help{};     ///< one or two sentences
-    std::string_view choices{};  ///< '|'-separated names of a choice, in index order
-    std::string_view text{};     ///< default of text, text_list ('|'-separated)
-    int count = 0;               ///< number_list: required length, 0 for any
-    bool has_default = true;     ///< false: absent unless given (a rig key without a default)
+    std::string_view unit{};                 ///< "W/sr", "degrees", "" when dimensionless
+    std::string_view label{};                ///< "Base Color"
+    std::string_view help{};                 ///< one or two sentences
+    std::string_view choices{};              ///< '|'-separated names of a choice, in index order
+    std::string_view text{};                 ///< default of text, text_list ('|'-separated)
+    int count = 0;                           ///< number_list: required length, 0 for any
+    bool has_default = true;                 ///< false: absent unless given (a rig key without a default)
+    LobeWidth lobe_width = LobeWidth::none;  ///< shaders: what the variance of averaged normals widens
     /// Shaders: index of the first float of the parameter in Params<float> (scalar, color, vector), or of the int in
     /// Options (boolean, integer, choice). Other tables: unused.
     int slot = -1;

@@ -11,7 +11,7 @@
 
 namespace relume {
 
-inline constexpr std::uint32_t kShaderAbiVersion = 1;
+inline constexpr std::uint32_t kShaderAbiVersion = 2;
 
 enum class LightKind : std::int32_t { sun, point, spot };
 enum class SpotFalloff : std::int32_t { smoothstep, blender3, linear, step };

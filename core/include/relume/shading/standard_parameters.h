@@ -62,8 +62,14 @@ constexpr Parameter base_color(int slot, double r = 0.8, double g = 0.8, double 
     return color("base_color", slot, r, g, b, "Base color",
                  "Reflectance of the surface: the diffuse albedo of a dielectric, F0 of a metal. Scene-linear.");
 }
+/// A scalar row that says how wide a highlight is.
+constexpr Parameter wide(Parameter parameter, LobeWidth lobe_width) {
+    parameter.lobe_width = lobe_width;
+    return parameter;
+}
 constexpr Parameter roughness(int slot, double value = 0.5) {
-    return scalar("roughness", slot, value, 0, 1, "Roughness", "Perceptual roughness; alpha is its square.");
+    return wide(scalar("roughness", slot, value, 0, 1, "Roughness", "Perceptual roughness; alpha is its square."),
+                LobeWidth::roughness);
 }
 constexpr Parameter metallic(int slot) {
     return scalar("metallic", slot, 0, 0, 1, "Metallic", "0 is a dielectric, 1 a metal; between, a blend of both.");
@@ -103,14 +109,16 @@ constexpr Parameter specular_color(int slot, double value) {
         "specular_color", slot, value, value, value, "Specular color",
         "Factor of the highlight. Plausible: 0.02 to 0.05 for dielectrics, grey; 0.5 to 1 for metals. Plain forms need more.");
 }
-constexpr Parameter exponent(int slot, double value, double max) {
-    return scalar("exponent", slot, value, 0, kUnbounded, "Exponent",
-                  "Shininess: the higher, the smaller the highlight.", 1, max);
+constexpr Parameter exponent(int slot, double value, double max, LobeWidth lobe_width) {
+    return wide(scalar("exponent", slot, value, 0, kUnbounded, "Exponent",
+                       "Shininess: the higher, the smaller the highlight.", 1, max),
+                lobe_width);
 }
 constexpr Parameter width(int slot) {
-    return scalar("width", slot, 0.3, 0, 1, "Width",
-                  "Width of the highlight in the half angle, about radians: the root mean square slope times √2.", 0.01,
-                  1);
+    return wide(scalar("width", slot, 0.3, 0, 1, "Width",
+                       "Width of the highlight in the half angle, about radians: the root mean square slope times √2.",
+                       0.01, 1),
+                LobeWidth::alpha);
 }
 constexpr Parameter sss_color(int slot) {
     return color(
