@@ -139,6 +139,7 @@ void ShadePass::run(const ShaderBinding& binding, const LightGroup& group, std::
     tile.slots = slot_pointers_.data();
     tile.constants = binding.constants.data();
     tile.options = binding.options.data();
+    tile.tables = binding.table_views.data();
 
     direct_ = group.direct;
     ambient_ = group.ambient;

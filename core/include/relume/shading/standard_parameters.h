@@ -58,6 +58,10 @@ constexpr Parameter choice(std::string_view name, int slot, int value, std::stri
             .slot = slot};
 }
 
+constexpr Parameter table(std::string_view name, int slot, std::string_view label, std::string_view help) {
+    return {.name = name, .type = ParameterType::table, .label = label, .help = help, .slot = slot};
+}
+
 constexpr Parameter base_color(int slot, double r = 0.8, double g = 0.8, double b = 0.8) {
     return color("base_color", slot, r, g, b, "Base color",
                  "Reflectance of the surface: the diffuse albedo of a dielectric, F0 of a metal. Scene-linear.");
