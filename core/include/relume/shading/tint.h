@@ -23,4 +23,9 @@ template <class T> RELUME_INLINE Color<T> tint_of(const Color<T>& c, const Lumin
     return select(l > least, scale(c, rcp(max(l, least))), splat(T(1.f)));
 }
 
+/// White, tinted by that share.
+template <class T> RELUME_INLINE Color<T> tinted(const Color<T>& tint, T share) {
+    return lerp(splat(T(1.f)), tint, saturate(share));
+}
+
 }  // namespace relume
