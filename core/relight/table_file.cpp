@@ -82,7 +82,8 @@ std::shared_ptr<const LookupTable> load_table(const std::filesystem::path& path)
     const auto bytes = error ? 0 : std::filesystem::file_size(path, error);
     if (error) {
         const bool folder = std::filesystem::is_directory(path);
-        throw Error(ErrorKind::file, path.string() + (folder ? ": is a directory; a table is a file" : ": no such file"));
+        throw Error(ErrorKind::file,
+                    path.string() + (folder ? ": is a directory; a table is a file" : ": no such file"));
     }
     const auto same = [&](const Kept& k) { return k.path == full && k.written == written && k.bytes == bytes; };
     {

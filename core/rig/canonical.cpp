@@ -49,9 +49,7 @@ std::optional<std::vector<std::string>> as_texts(const Value& value) {
     return std::nullopt;
 }
 
-bool takes_channel(const Parameter& row) {
-    return row.slot >= 0 && row.is_number();
-}
+bool takes_channel(const Parameter& row) { return row.slot >= 0 && row.is_number(); }
 
 class Check {
 public:

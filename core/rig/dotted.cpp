@@ -86,13 +86,13 @@ ShaderUse default_shader() {
 /// A bare word is a string where the row takes strings, whatever else TOML would read in it.
 Value for_row(const Parameter* row, const rigfile::Node& node, std::string_view text, std::string_view what) {
     const auto* value = std::get_if<Value>(&node.data);
-    const bool wants_text = row != nullptr && (row->type == ParameterType::text || row->type == ParameterType::choice ||
-                                               row->type == ParameterType::text_list ||
-                                               row->type == ParameterType::table);
-    const bool is_text = value != nullptr && (std::holds_alternative<std::string>(*value) ||
-                                              std::holds_alternative<std::vector<std::string>>(*value) ||
-                                              std::holds_alternative<std::vector<double>>(*value) ||
-                                              std::holds_alternative<LookupTable>(*value));
+    const bool wants_text =
+        row != nullptr && (row->type == ParameterType::text || row->type == ParameterType::choice ||
+                           row->type == ParameterType::text_list || row->type == ParameterType::table);
+    const bool is_text =
+        value != nullptr &&
+        (std::holds_alternative<std::string>(*value) || std::holds_alternative<std::vector<std::string>>(*value) ||
+         std::holds_alternative<std::vector<double>>(*value) || std::holds_alternative<LookupTable>(*value));
     if (wants_text && !is_text && node.table() == nullptr) return std::string(text);
     if (value == nullptr) throw Problem(Problem::Cause::type, std::string(what) + " cannot be " + node.describe());
     return *value;

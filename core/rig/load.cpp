@@ -336,8 +336,9 @@ private:
                                 const std::filesystem::path& folder) {
         const auto* table = entry.node.table();
         if (table == nullptr) {
-            apply(source, entry, shader_label(shader),
-                  [&](const Value& value) { set_shader(shader, entry.key, from_folder(shader, entry.key, value, folder)); });
+            apply(source, entry, shader_label(shader), [&](const Value& value) {
+                set_shader(shader, entry.key, from_folder(shader, entry.key, value, folder));
+            });
             return;
         }
         const std::string what = shader_label(shader) + ": " + one_line(entry.key);

@@ -19,17 +19,15 @@ LookupTable sampled(const ShaderAbi& abi, std::int32_t slot) {
     // The outermost texels hold 0 and 1 exactly, half a texel inside the picture: so a peak there is kept.
     for (int y = 0; y < table.height; ++y)
         for (int x = 0; x < table.width; ++x)
-            table.texels.push_back(static_cast<float>(abi.default_table(slot, static_cast<double>(x) / (table.width - 1),
-                                                                        static_cast<double>(y) / (table.height - 1))));
+            table.texels.push_back(static_cast<float>(abi.default_table(
+                slot, static_cast<double>(x) / (table.width - 1), static_cast<double>(y) / (table.height - 1))));
     return table;
 }
 
 }  // namespace
 
 void check_table(const LookupTable& table, std::string_view what) {
-    const auto refuse = [&](const std::string& why) {
-        throw Error(ErrorKind::value, std::string(what) + ": " + why);
-    };
+    const auto refuse = [&](const std::string& why) { throw Error(ErrorKind::value, std::string(what) + ": " + why); };
     const auto width = static_cast<std::int64_t>(table.width), height = static_cast<std::int64_t>(table.height);
     const std::string size = std::to_string(width) + " × " + std::to_string(height);
     if (width < 1 || height < 1) refuse("a table of " + size + " has no texels");

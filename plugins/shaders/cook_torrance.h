@@ -23,7 +23,7 @@ struct CookTorrance {
         "at (NdotH/2+½, roughness): from left to right NdotH from −1 to 1, of which a highlight sees the right half; from top to bottom "
         "roughness from 0 to 1. Nothing divides by the cosines, and nothing normalises: brightness is the painter's. Λ is ggx's. The "
         "built-in table is alpha²/(1−(1−alpha²)·NdotH²), whose square is ggx over its peak, 2048 × 128 texels, bilinear: sharper than "
-        "roughness 0.4 it shows its texels. As first published for games: specular 0.625 (F0 = 0.05), masking v_cavity. Not reciprocal.\n"
+        "roughness 0.4 it shows its texels. Customary with it: specular 0.625 (F0 = 0.05), masking v_cavity. Not reciprocal.\n"
         "masking: smith_correlated 1/(1+Λv+Λl) [Heitz2014, eq. 99], smith_separable 1/((1+Λv)(1+Λl)) [Walter2007, eq. 23], both with the "
         "distribution's own Λ (gaussian and blinn_phong take Beckmann's); smith_schlick, x/(x(1−k)+k) for v and l with k = "
         "(roughness+1)²/8 [Karis2013]; smith_schlick_hable, k = alpha/2 [Hable2014]; v_cavity, min(1, 2·NdotH·NdotV/VdotH, "
@@ -64,20 +64,23 @@ struct CookTorrance {
         row::metallic(RELUME_SLOT(metallic)),
         row::specular(RELUME_SLOT(specular)),
         row::roughness(RELUME_SLOT(roughness)),
-        row::color("specular_color", RELUME_SLOT(specular_color), 1, 1, 1, "Specular color",
-                   "Factor of the highlight of distribution texture; that of the others is specular, metallic and base_color alone."),
+        row::color(
+            "specular_color", RELUME_SLOT(specular_color), 1, 1, 1, "Specular color",
+            "Factor of the highlight of distribution texture; that of the others is specular, metallic and base_color alone."),
         row::scalar("spec_power", RELUME_SLOT(spec_power), 2, 0, kUnbounded, "Specular power",
                     "Brightness of the highlight of distribution texture.", 0, 30),
         row::sss_color(RELUME_SLOT(sss_color)),
         row::sss_anisotropy(RELUME_SLOT(sss_anisotropy)),
         row::ambient(RELUME_SLOT(ambient)),
         row::emission(RELUME_SLOT(emission)),
-        row::choice("distribution", RELUME_OPTION(distribution), ggx, "ggx|beckmann|gaussian|blinn_phong|texture",
-                    "Distribution",
-                    "How the facets' normals are spread: ggx has the longest tail, texture is painted in distribution_table."),
-        row::table("distribution_table", RELUME_TABLE(distribution), "Distribution table",
-                   "Picture of distribution texture: across, NdotH/2+½ from left to right; down, roughness from 0 to 1. One channel or "
-                   "the luminance of three, as stored."),
+        row::choice(
+            "distribution", RELUME_OPTION(distribution), ggx, "ggx|beckmann|gaussian|blinn_phong|texture",
+            "Distribution",
+            "How the facets' normals are spread: ggx has the longest tail, texture is painted in distribution_table."),
+        row::table(
+            "distribution_table", RELUME_TABLE(distribution), "Distribution table",
+            "Picture of distribution texture: across, NdotH/2+½ from left to right; down, roughness from 0 to 1. One channel or "
+            "the luminance of three, as stored."),
         row::choice("masking", RELUME_OPTION(masking), smith_correlated,
                     "smith_correlated|smith_schlick|smith_schlick_hable|v_cavity|smith_separable", "Masking",
                     "Which share of the facets is in sight of both viewer and light."),

@@ -158,7 +158,7 @@ def test_a_table_is_an_array_or_a_file(tmp_path: Path) -> None:
     settings = {"distribution": "texture", "roughness": 0.5, "metallic": 1.0, "fresnel": "none", "base_color": 1.0}
     v = directions(300, 8)
     l = v * [-1, -1, 1]  # noqa: E741 - NdotH = 1
-    # One texel: T is 3 everywhere. In the mirror direction the cavity hides nothing, G = 1: spec_power · F · T² = 2 · 9.
+    # One texel: T is 3 everywhere. In the mirror direction the cavity hides nothing: spec_power · F · G · T² = 2 · 9.
     given = cook.evaluate(n=UP, v=v, l=l, distribution_table=[[3.0]], masking="v_cavity", **settings).specular
     np.testing.assert_allclose(given, np.full((300, 3), 18.0), rtol=1e-12)
     table = np.random.default_rng(9).random((4, 8), np.float32)
@@ -184,7 +184,7 @@ def test_tables_that_are_refused(tmp_path: Path) -> None:
         with pytest.raises(relume.ArgumentError) as caught:
             cook.evaluate(n=UP, v=UP, l=UP, distribution_table=value)
         assert "distribution_table" in str(caught.value) and said in str(caught.value)
-    with pytest.raises(relume.FileError, match="lost.exr: no such file"):
+    with pytest.raises(relume.FileError, match=r"lost\.exr: no such file"):
         cook.evaluate(n=UP, v=UP, l=UP, distribution_table=tmp_path / "lost.exr")
     with pytest.raises(relume.UnknownNameError):
         cook.table("distribution_tabel")

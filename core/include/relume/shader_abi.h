@@ -28,7 +28,7 @@ struct DirectLight {
     /// Per lobe (diffuse, specular, transmission): irradiance W/m² of a sun, intensity W/sr of a point or spot, times
     /// colour, exposure and the light's multiplier for that lobe.
     float color[3][3];
-    const float* mask;  ///< light linking: factor per pixel of the tile; nullptr is 1
+    const float* mask;  ///< light linking: factor per pixel of the tile, finite; nullptr is 1
 };
 
 /// A light without a direction: irradiance(n) = mix(low, high, w), w = ½ + ½·n·axis or max(0, n·axis). Reaches the

@@ -61,10 +61,7 @@ class Model {
 public:
     explicit Model(std::string_view name) : Model(require_shader(name)) {}
     explicit Model(const ShaderInfo& info)
-        : info_(&info),
-          params_(default_params(info)),
-          options_(default_options(info)),
-          tables_(default_tables(info)) {}
+        : info_(&info), params_(default_params(info)), options_(default_options(info)), tables_(default_tables(info)) {}
 
     const ShaderInfo& info() const { return *info_; }
     std::vector<double>& params() { return params_; }

@@ -158,7 +158,11 @@ TEST(TableFile, MistakesInAFile) {
 
 TEST(TableFile, LimitsAreThoseThatAreDocumented) {
     EXPECT_NO_THROW(check_table({2048, 2048, std::vector<float>(2048 * 2048)}, "t"));
-    EXPECT_EQ(refusal([] { check_table({2049, 2048, {}}, "t"); }, ErrorKind::value),
+    EXPECT_EQ(refusal(
+                  [] {
+                      check_table({2049, 2048, {}}, "t");
+                  },
+                  ErrorKind::value),
               "t: is 2049 × 2048; a table has at most 4194304 texels: it is smooth between them, so make it smaller");
     EXPECT_EQ(refusal([] { check_table({0, 2, {}}, "t"); }, ErrorKind::value), "t: a table of 0 × 2 has no texels");
     EXPECT_EQ(refusal([] { check_table({2, 2, {1, 2, 3}}, "t"); }, ErrorKind::value), "t: has 3 texels, not 2 × 2");

@@ -69,7 +69,7 @@ TEST(Table, IsReadInsideWhateverIsAsked) {
     EXPECT_EQ(sample(view(large), 1.f, 1.f), 7);
 }
 
-/// T of a built-in or painted table at a pair of directions, by the sum of tents.
+/// A pair of directions.
 struct Painted {
     V3 v, l, h;
     double vh;
@@ -87,7 +87,10 @@ TEST(Table, PaintsTheHighlightOfCookTorrance) {
     for (int k = 0; k < 1500; ++k) {
         const Painted p(random);
         const LookupTable table = random_table(random, 24, 6);
-        const double roughness = k % 5 == 0 ? 0 : k % 5 == 1 ? 1 : k / 1500., alpha = std::max(roughness * roughness, 1e-3);
+        const double roughness = k % 5 == 0   ? 0
+                                 : k % 5 == 1 ? 1
+                                              : k / 1500.,
+                     alpha = std::max(roughness * roughness, 1e-3);
         const double metallic = 0.5 * (k % 3), power = 30. * k / 1500;
         const double t = tents(table, p.h[2] / 2 + 0.5, roughness);
         const V3 f0 = mix(white * 0.05, base, metallic), f = f0 + (white - f0) * std::pow(1 - p.vh, 5);
@@ -96,10 +99,9 @@ TEST(Table, PaintsTheHighlightOfCookTorrance) {
         };
         const auto lambda = [&](double x) { return (std::sqrt(1 + alpha * alpha * (1 / (x * x) - 1)) - 1) / 2; };
         const double lv = lambda(p.v[2]), ll = lambda(p.l[2]);
-        const double maskings[] = {1 / (1 + lv + ll), schlick((roughness + 1) * (roughness + 1) / 8),
-                                   schlick(alpha / 2),
-                                   std::min({1., 2 * p.h[2] * p.v[2] / p.vh, 2 * p.h[2] * p.l[2] / p.vh}),
-                                   1 / ((1 + lv) * (1 + ll))};
+        const double maskings[] = {
+            1 / (1 + lv + ll), schlick((roughness + 1) * (roughness + 1) / 8), schlick(alpha / 2),
+            std::min({1., 2 * p.h[2] * p.v[2] / p.vh, 2 * p.h[2] * p.l[2] / p.vh}), 1 / ((1 + lv) * (1 + ll))};
         for (int g = 0; g < 5; ++g) {
             Model model = Model("cook_torrance").set("base_color", base).set("metallic", metallic);
             model.set("specular", 0.625).set("roughness", roughness).set("specular_color", ks);
@@ -128,8 +130,7 @@ TEST(Table, BuiltInIsGgxOverItsPeak) {
             << roughness << ' ' << nh;
     }
     // The mirror direction keeps its peak at every roughness, the narrowest included.
-    for (const double roughness : {0., 0.1, 0.5, 1.})
-        EXPECT_NEAR(tents(*table, 1, roughness), 1, 1e-6) << roughness;
+    for (const double roughness : {0., 0.1, 0.5, 1.}) EXPECT_NEAR(tents(*table, 1, roughness), 1, 1e-6) << roughness;
     EXPECT_THROW(builtin_table(require_shader("cook_torrance"), "roughness"), Error);
 }
 

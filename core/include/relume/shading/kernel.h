@@ -53,12 +53,15 @@ inline constexpr int kOptionSlots = std::is_empty_v<typename S::Options>
 /// A model that looks things up has a struct Tables of TableViews, which its prepare() takes after the options.
 struct NoTables {};
 template <class S> struct TablesOf { using Type = NoTables; };
-template <class S> requires requires { typename S::Tables; }
-struct TablesOf<S> { using Type = typename S::Tables; };
+template <class S>
+requires requires { typename S::Tables; }
+struct TablesOf<S> {
+    using Type = typename S::Tables;
+};
 template <class S> using Tables = typename TablesOf<S>::Type;
 template <class S>
-inline constexpr int kTableSlots =
-    std::is_empty_v<Tables<S>> ? 0 : static_cast<int>(sizeof(Tables<S>) / sizeof(TableView));
+inline constexpr int kTableSlots = std::is_empty_v<Tables<S>> ? 0
+                                                              : static_cast<int>(sizeof(Tables<S>) / sizeof(TableView));
 
 /// Each parameter's slot lies in its struct, none overlap, and all are named: checked where the model is registered.
 template <class S> constexpr bool table_matches_params() {
@@ -153,8 +156,8 @@ template <class S, class T> struct SlotSources {
 template <class S, class T>
 RELUME_INLINE void load_params(typename S::template Params<T>& params, const SlotSources<S, T>& from, int i) {
     T* slots = reinterpret_cast<T*>(&params);
-    static_for<kFloatSlots<S>>(
-        [&](auto k) RELUME_INLINE_LAMBDA { slots[k] = load<T>(from.base[k] + (i & from.mask[k])); });
+    static_for<kFloatSlots<S>>([&](auto k)
+                                   RELUME_INLINE_LAMBDA { slots[k] = load<T>(from.base[k] + (i & from.mask[k])); });
 }
 
 /// The model's uniform values, copied out of the tile or the evaluation.
@@ -179,22 +182,22 @@ template <class S, class T> RELUME_INLINE T sum_of(const typename S::template Pa
     return sum[0] + sum[1];
 }
 
-/// Fetches the line that the batch kPrefetchDistance pixels on will read: a CPU's own prefetching follows a dozen planes
-/// too late. It may point past the plane, where nothing is fetched.
+/// Fetches the line that the batch kPrefetchDistance pixels on will read: a CPU's own prefetching follows a dozen
+/// planes too late. It may point past the plane, where nothing is fetched.
 template <class T> RELUME_INLINE void prefetch_ahead(const float* p) {
     constexpr int kPrefetchDistance = 256, kLine = 16;
     if constexpr (kWidth<T> == 1) return;  // sixteen times a line, for nothing
     for (int k = 0; k < kWidth<T> || k == 0; k += kLine) __builtin_prefetch(p + kPrefetchDistance + k);
 }
 
-template <class S, class T> RELUME_INLINE void prefetch_inputs(const ShaderTile& tile, const SlotSources<S, T>& from, int i) {
+template <class S, class T>
+RELUME_INLINE void prefetch_inputs(const ShaderTile& tile, const SlotSources<S, T>& from, int i) {
     for (int k = 0; k < 3; ++k) {
         prefetch_ahead<T>(tile.normal[k] + i);
         if (tile.position[0] != nullptr) prefetch_ahead<T>(tile.position[k] + i);
     }
-    static_for<kFloatSlots<S>>([&](auto k) RELUME_INLINE_LAMBDA {
-        prefetch_ahead<T>(from.base[k] + (i & from.mask[k]));
-    });
+    static_for<kFloatSlots<S>>([&](auto k)
+                                   RELUME_INLINE_LAMBDA { prefetch_ahead<T>(from.base[k] + (i & from.mask[k])); });
 }
 
 template <class T> RELUME_INLINE Vec3<T> load3(const float* const (&planes)[3], int i) {
@@ -321,8 +324,8 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& s
         }
     }
 
-    // What the lights do not need is prepared only now, from the parameters read again (the cache has them): kept over the
-    // loop it would be stored and loaded. What of the two prepare() is not used, the optimiser drops.
+    // What the lights do not need is prepared only now, from the parameters read again (the cache has them): kept over
+    // the loop it would be stored and loaded. What of the two prepare() is not used, the optimiser drops.
     typename S::template Params<T> params_after;
     load_params<S, T>(params_after, sources, opaque(i));
     poison = poison + sum_of<S, T>(params_after);
@@ -332,11 +335,29 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& s
     if constexpr (kSum) {
         static_for<kSums>([&](auto k) RELUME_INLINE_LAMBDA {
             Color<T>& lobe = lobes[static_cast<int>(S::terms[k])];
-            lobe = add(lobe, mul(after.color[k], sums[k]));
+            // By name: of two products under a sum the compiler chooses one to fuse, and not always the same.
+            const Color<T>&color = after.color[k], &sum = sums[k];
+            lobe = {fma(color.x, sum.x, lobe.x), fma(color.y, sum.y, lobe.y), fma(color.z, sum.z, lobe.z)};
         });
     } else {
         static_for<3>([&](auto k) RELUME_INLINE_LAMBDA { lobes[k] = sums[k]; });
     }
+    Color<T> reflected = splat(zero);  // of lights without a direction
+    if (tile.ambient_count > 0) {
+        Color<T> irradiance = splat(zero);
+        for (const AmbientLight* light = tile.ambients; light != tile.ambients + tile.ambient_count; ++light) {
+            const Vec3<T> axis{T(light->axis[0]), T(light->axis[1]), T(light->axis[2])};
+            const T c = dot(g.n, axis);
+            const T w = light->clamp ? max(c, zero) : fma(c, constant<T>(0.5), constant<T>(0.5));
+            const T m = light->mask != nullptr ? load_partial<T>(light->mask + mask_offset, lanes) : one;
+            irradiance.x = fma(m, lerp(T(light->low[0]), T(light->high[0]), w), irradiance.x);
+            irradiance.y = fma(m, lerp(T(light->low[1]), T(light->high[1]), w), irradiance.y);
+            irradiance.z = fma(m, lerp(T(light->low[2]), T(light->high[2]), w), irradiance.z);
+        }
+        reflected = scale(mul(after.ambient, irradiance), g.ambient_occlusion);
+        poison = poison + (reflected.x + reflected.y + reflected.z);
+    }
+
     // Catches what overflowed on the way as well. Selects, not products: an invalid lane may hold NaN.
     Color<T> sum = after.emission;
     static_for<3>([&](auto k) RELUME_INLINE_LAMBDA {
@@ -351,20 +372,7 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& s
         if constexpr (has_lobe<S>(static_cast<Lobe>(int(k)))) lobes[k] = select(lit, lobes[k], splat(zero));
     });
 
-    if (tile.ambient_count > 0) {
-        Color<T> irradiance = splat(zero);
-        for (const AmbientLight* light = tile.ambients; light != tile.ambients + tile.ambient_count; ++light) {
-            const Vec3<T> axis{T(light->axis[0]), T(light->axis[1]), T(light->axis[2])};
-            const T c = dot(g.n, axis);
-            const T w = light->clamp ? max(c, zero) : fma(c, constant<T>(0.5), constant<T>(0.5));
-            const T m = light->mask != nullptr ? load_partial<T>(light->mask + mask_offset, lanes) : one;
-            irradiance.x = fma(m, lerp(T(light->low[0]), T(light->high[0]), w), irradiance.x);
-            irradiance.y = fma(m, lerp(T(light->low[1]), T(light->high[1]), w), irradiance.y);
-            irradiance.z = fma(m, lerp(T(light->low[2]), T(light->high[2]), w), irradiance.z);
-        }
-        const Color<T> reflected = scale(mul(after.ambient, irradiance), g.ambient_occlusion);
-        lobes[0] = add(lobes[0], select(valid, reflected, splat(zero)));
-    }
+    if (tile.ambient_count > 0) lobes[0] = add(lobes[0], select(valid, reflected, splat(zero)));
 
     T weight_value = one;
     const T* weight = nullptr;
@@ -474,7 +482,8 @@ template <class S, class T> __attribute__((flatten)) static void shade_tile_with
     tile->nonfinite = nonfinite;
 }
 
-/// The number type for a tile: one batch or a pair of them, by the light count alone, so that all tiles of a frame agree.
+/// The number type for a tile: one batch or a pair of them, by the light count alone, so that all tiles of a frame
+/// agree.
 template <class S, class T> static void shade_tile(ShaderTile* tile) {
 #if defined(RELUME_ISA_BATCH)
 #  if defined(__AVX512F__)

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Two batches as one number type. Shading is one long chain of dependent operations, and a CPU's schedulers do not reach
-// from one light of it to the next: with two batches, operation by operation, the second fills the gaps of the first
-// (1.2× on AVX-512, 1.3× on AVX2, 1.5× on SSE4.2, docs/performance.md). Included by simd.h, in objects of an ISA alone.
+// Two batches as one number type. Shading is one long chain of dependent operations, and a CPU's schedulers do not
+// reach from one light of it to the next: with two batches, operation by operation, the second fills the gaps of the
+// first (1.2× on AVX-512, 1.3× on AVX2, 1.5× on SSE4.2, docs/performance.md). Included by simd.h, in objects of an ISA
+// alone.
 
 namespace relume {
 
@@ -26,27 +27,25 @@ template <class B> struct NumberTraits<Pair<B>> {
 };
 
 #define RELUME_PAIR_UNARY(f) \
-    template <class B> RELUME_INLINE Pair<B> f(const Pair<B>& x) { return {f(x.a), f(x.b)}; }
-#define RELUME_PAIR_BINARY(f)                                                           \
-    template <class B> RELUME_INLINE Pair<B> f(const Pair<B>& x, const Pair<B>& y) { \
-        return {f(x.a, y.a), f(x.b, y.b)};                                              \
-    }
-#define RELUME_PAIR_TERNARY(f)                                                                            \
-    template <class B> RELUME_INLINE Pair<B> f(const Pair<B>& x, const Pair<B>& y, const Pair<B>& z) { \
-        return {f(x.a, y.a, z.a), f(x.b, y.b, z.b)};                                                      \
-    }
-#define RELUME_PAIR_OPERATOR(op)                                                                  \
-    template <class B> RELUME_INLINE Pair<B> operator op(const Pair<B>& x, const Pair<B>& y) { \
-        return {x.a op y.a, x.b op y.b};                                                          \
-    }
-#define RELUME_PAIR_COMPARISON(op)                                                                    \
-    template <class B> RELUME_INLINE PairMask<B> operator op(const Pair<B>& x, const Pair<B>& y) { \
-        return {x.a op y.a, x.b op y.b};                                                              \
-    }
-#define RELUME_PAIR_LOGICAL(op)                                                                               \
-    template <class B> RELUME_INLINE PairMask<B> operator op(const PairMask<B>& x, const PairMask<B>& y) { \
-        return {x.a op y.a, x.b op y.b};                                                                      \
-    }
+  template <class B> RELUME_INLINE Pair<B> f(const Pair<B>& x) { return {f(x.a), f(x.b)}; }
+#define RELUME_PAIR_BINARY(f) \
+  template <class B> RELUME_INLINE Pair<B> f(const Pair<B>& x, const Pair<B>& y) { return {f(x.a, y.a), f(x.b, y.b)}; }
+#define RELUME_PAIR_TERNARY(f)                                                                       \
+  template <class B> RELUME_INLINE Pair<B> f(const Pair<B>& x, const Pair<B>& y, const Pair<B>& z) { \
+    return {f(x.a, y.a, z.a), f(x.b, y.b, z.b)};                                                     \
+  }
+#define RELUME_PAIR_OPERATOR(op)                                                             \
+  template <class B> RELUME_INLINE Pair<B> operator op(const Pair<B>& x, const Pair<B>& y) { \
+    return {x.a op y.a, x.b op y.b};                                                         \
+  }
+#define RELUME_PAIR_COMPARISON(op)                                                               \
+  template <class B> RELUME_INLINE PairMask<B> operator op(const Pair<B>& x, const Pair<B>& y) { \
+    return {x.a op y.a, x.b op y.b};                                                             \
+  }
+#define RELUME_PAIR_LOGICAL(op)                                                                          \
+  template <class B> RELUME_INLINE PairMask<B> operator op(const PairMask<B>& x, const PairMask<B>& y) { \
+    return {x.a op y.a, x.b op y.b};                                                                     \
+  }
 
 RELUME_PAIR_OPERATOR(+)
 RELUME_PAIR_OPERATOR(-)

@@ -2,8 +2,9 @@
 #pragma once
 
 // The number type T of shading code and everything that may be done with it. T is float (the reference), double (tests
-// and fitting) or an xsimd batch of floats, one pixel a lane. Shading code is written once against this header; nothing
-// else in relume names an intrinsic. Straight-line code: comparisons give masks, select() chooses.
+// and fitting), an xsimd batch of floats or a pair of them (pair.h), one pixel a lane. Shading code is written once
+// against this header; nothing else in relume names an intrinsic. Straight-line code: comparisons give masks, select()
+// chooses.
 
 #include <cmath>
 #include <cstdint>

@@ -112,9 +112,10 @@ constexpr Parameter exponent(int slot, double value, double max) {
                   "Shininess: the higher, the smaller the highlight.", 1, max);
 }
 constexpr Parameter width(int slot) {
-    return scalar("width", slot, 0.3, 0, 1, "Width",
-                  "Width of the highlight in the half angle, about radians: the root mean square slope times √2.", 0.01,
-                  1);
+    return scalar(
+        "width", slot, 0.3, 0, 1, "Width",
+        "Width of the highlight in the half angle, about radians: the root mean square slope along one direction, times √2.",
+        0.01, 1);
 }
 constexpr Parameter sss_color(int slot) {
     return color(

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Look-ups in a parameter of type table: bilinear between the texels' centres, clamped at the edges. u runs along a row,
-// v from row 0 on, both from 0 to 1 over the whole picture, as on a GPU: texel k of n has its centre at (k + ½)/n.
+// Look-ups in a parameter of type table: bilinear between the texels' centres, clamped at the edges. u runs along a
+// row, v from row 0 on, both from 0 to 1 over the whole picture, as on a GPU: texel k of n has its centre at (k + ½)/n.
 
 #include "relume/shader_abi.h"
 #include "relume/shading/simd.h"
