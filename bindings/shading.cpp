@@ -64,8 +64,8 @@ std::vector<TableView> views_of(const ShaderInfo& shader, const std::vector<std:
             throw Error(ErrorKind::value, what + " is an array of " + std::to_string(array.ndim()) +
                                               " dimensions; a table is (height, width)");
         if (array.size() > kMostTexels)
-            throw Error(ErrorKind::value, what + " has " + std::to_string(array.size()) + " texels; a table has at most " +
-                                              std::to_string(kMostTexels));
+            throw Error(ErrorKind::value, what + " has " + std::to_string(array.size()) +
+                                              " texels; a table has at most " + std::to_string(kMostTexels));
         check_table({static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)),
                      std::vector<float>(array.data(), array.data() + array.size())},
                     what);
@@ -175,16 +175,17 @@ void bind_shading(py::module_& module) {
                py::arg("params"), py::arg("options"), py::arg("tables"),
                "(9, count) float64: diffuse, specular, transmission.");
     module.def(
-        "load_table", [](const std::filesystem::path& path) {
+        "load_table",
+        [](const std::filesystem::path& path) {
             std::shared_ptr<const LookupTable> table;
             {
-                const py::gil_scoped_release release;  // a Python reader may be asked, from a thread that holds what this waits for
+                const py::gil_scoped_release
+                    release;  // a Python reader may be asked, from a thread that holds what this waits for
                 table = load_table(path);
             }
             return array_of(*table);
         },
-        py::arg("path"),
-        "A table from a file, (height, width).");
+        py::arg("path"), "A table from a file, (height, width).");
     module.def(
         "builtin_table",
         [](const ShaderInfo& shader, const std::string& name) { return array_of(*builtin_table(shader, name)); },
