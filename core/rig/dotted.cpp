@@ -93,7 +93,8 @@ Value for_row(const Parameter* row, const rigfile::Node& node, std::string_view 
         value != nullptr &&
         (std::holds_alternative<std::string>(*value) || std::holds_alternative<std::vector<std::string>>(*value) ||
          std::holds_alternative<std::vector<double>>(*value) || std::holds_alternative<LookupTable>(*value));
-    if (wants_text && !is_text && node.table() == nullptr) return std::string(text);
+    const bool list = value == nullptr && text.find_first_not_of(" \t") == text.find('[');
+    if (wants_text && !is_text && !list && node.table() == nullptr) return std::string(text);
     if (value == nullptr) throw Problem(Problem::Cause::type, std::string(what) + " cannot be " + node.describe());
     return *value;
 }

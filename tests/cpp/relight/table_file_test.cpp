@@ -104,6 +104,8 @@ TEST(TableFile, IsSetByADottedKey) {
     EXPECT_EQ(rig.get("shader.0.distribution_table"), "\"lobes/soft.exr\"");
     rig.set("shader.0.distribution_table", "[[0, 1], [2, 3.5]]");
     EXPECT_EQ(rig.get("shader.0.distribution_table"), "[[0, 1], [2, 3.5]]");
+    for (const char* wrong : {"[[[1, 2], [3, 4]]]", "[[1, 2], [3]]", "[1, 2]", "[1, 'a']"})
+        EXPECT_THROW(rig.set("shader.0.distribution_table", wrong), Error) << wrong;
     rig.set("shader.0.use", "lambert");
     EXPECT_THROW(rig.get("shader.0.distribution_table"), Error);
 }
