@@ -41,7 +41,12 @@ _STAGE: dict[str, dict[str, Value]] = {
     "sheen": {"base_color": (0.05, 0.08, 0.3), "roughness": 0.8},
     "sheen_tint": {"sheen": 1.0, "base_color": (0.3, 0.02, 0.02), "roughness": 0.8},
     "spec_power": {"distribution": "texture"},
-    "specular_color": {"distribution": "texture", "base_color": (0.02, 0.02, 0.02), "percent_specular": 0.7, "roughness": 0.85},
+    "specular_color": {
+        "distribution": "texture",
+        "base_color": (0.02, 0.02, 0.02),
+        "percent_specular": 0.7,
+        "roughness": 0.85,
+    },
     "specular_tint": {"specular": 1.0},
     "sss_anisotropy": {"sss_color": (0.8, 0.3, 0.2), "base_color": (0.1, 0.1, 0.1)},
     "sss_color": {"base_color": (0.1, 0.1, 0.1)},
