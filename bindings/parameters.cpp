@@ -32,6 +32,8 @@ const char* name_of(ParameterType type) {
             return "text_list";
         case ParameterType::number_list:
             return "number_list";
+        case ParameterType::table:
+            return "table";
     }
     return "?";
 }
@@ -61,6 +63,7 @@ py::object default_of(const Parameter& p) {
         case ParameterType::choice:
             return py::str(split(p.choices).at(static_cast<std::size_t>(p.value[0])));
         case ParameterType::text:
+        case ParameterType::table:
             return py::str(std::string(p.text));
         case ParameterType::text_list:
             return py::cast(split(p.text));
@@ -91,7 +94,7 @@ void bind_parameters(py::module_& module) {
         .def_property_readonly("name", &text_of<&Parameter::name>)
         .def_property_readonly(
             "type", [](const Parameter& p) { return std::string(name_of(p.type)); },
-            "scalar, color, vector, boolean, integer, choice, text, text_list or number_list.")
+            "scalar, color, vector, boolean, integer, choice, text, text_list, number_list or table.")
         .def_property_readonly("default", &default_of, "None where the key has no default.")
         .def_readonly("min", &Parameter::min, "Hard range, inclusive; infinite where there is none.")
         .def_readonly("max", &Parameter::max, "Hard range, inclusive; infinite where there is none.")

@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "bindings.h"
 #include "parameters.h"
 #include "relume/error.h"
+#include "relume/lookup_table.h"
 #include "relume/shader.h"
 #include "relume/shader_abi.h"
 
@@ -37,10 +39,47 @@ template <class T> Column<T> column_of(const Array<T>& array, py::ssize_t count)
     return {array.data(), array.shape(0) == 1};
 }
 
+py::array_t<float> array_of(const LookupTable& table) {
+    py::array_t<float> out({table.height, table.width});
+    std::copy(table.texels.begin(), table.texels.end(), out.mutable_data());
+    return out;
+}
+
+/// Views of the tables by slot; where none is given, of the built-in one.
+std::vector<TableView> views_of(const ShaderInfo& shader, const std::vector<std::optional<Array<float>>>& tables) {
+    std::vector<TableView> views(static_cast<std::size_t>(shader.abi->table_slots));
+    if (tables.size() != views.size())
+        throw Error(ErrorKind::value, "evaluate: wrong number of tables for '" + std::string(shader.name) + "'");
+    for (const Parameter& p : shader.parameters) {
+        if (p.type != ParameterType::table) continue;
+        const auto slot = static_cast<std::size_t>(p.slot);
+        if (!tables[slot]) {
+            const auto builtin = builtin_table(shader, p.name);  // lives on
+            views[slot] = {builtin->texels.data(), builtin->width, builtin->height};
+            continue;
+        }
+        const Array<float>& array = *tables[slot];
+        const std::string what = "evaluate: " + std::string(p.name);
+        if (array.ndim() != 2)
+            throw Error(ErrorKind::value, what + " is an array of " + std::to_string(array.ndim()) +
+                                              " dimensions; a table is (height, width)");
+        if (array.size() > kMostTexels)
+            throw Error(ErrorKind::value, what + " has " + std::to_string(array.size()) +
+                                              " texels; a table has at most " + std::to_string(kMostTexels));
+        check_table({static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)),
+                     std::vector<float>(array.data(), array.data() + array.size())},
+                    what);
+        views[slot] = {array.data(), static_cast<std::int32_t>(array.shape(1)),
+                       static_cast<std::int32_t>(array.shape(0))};
+    }
+    return views;
+}
+
 /// Inputs come as columns; constants are spread over a block, so that broadcasting costs no memory.
 template <class T>
 py::array_t<T> evaluate(const ShaderInfo& shader, py::ssize_t count, const std::vector<Array<T>>& directions,
-                        const std::vector<Array<T>>& params, const std::vector<std::int32_t>& options) {
+                        const std::vector<Array<T>>& params, const std::vector<std::int32_t>& options,
+                        const std::vector<std::optional<Array<float>>>& tables) {
     constexpr py::ssize_t kBlock = 4096;
     const ShaderAbi& abi = *shader.abi;
     if ((directions.size() != 9 && directions.size() != 12) ||
@@ -48,6 +87,7 @@ py::array_t<T> evaluate(const ShaderInfo& shader, py::ssize_t count, const std::
         options.size() != static_cast<std::size_t>(abi.option_slots))
         throw Error(ErrorKind::value, "evaluate: wrong number of columns for '" + std::string(shader.name) + "'");
 
+    const std::vector<TableView> views = views_of(shader, tables);
     std::vector<Column<T>> columns;
     for (const auto& array : directions) columns.push_back(column_of(array, count));
     for (const auto& array : params) columns.push_back(column_of(array, count));
@@ -67,6 +107,7 @@ py::array_t<T> evaluate(const ShaderInfo& shader, py::ssize_t count, const std::
         block.count = std::min(kBlock, count - start);
         block.params = inputs.data() + directions.size();
         block.options = options.data();
+        block.tables = views.data();
         for (std::size_t k = 0; k < 3; ++k) {
             block.n[k] = inputs[k];
             block.v[k] = inputs[3 + k];
@@ -96,6 +137,7 @@ void bind_shading(py::module_& module) {
         .def_readonly("file", &ShaderInfo::file, "The plugin; empty for a built-in shader.")
         .def_property_readonly("float_slots", [](const ShaderInfo& s) { return s.abi->float_slots; })
         .def_property_readonly("option_slots", [](const ShaderInfo& s) { return s.abi->option_slots; })
+        .def_property_readonly("table_slots", [](const ShaderInfo& s) { return s.abi->table_slots; })
         .def_property_readonly("needs_tangent", [](const ShaderInfo& s) { return s.abi->needs_tangent != 0; })
         .def_property_readonly(
             "isas",
@@ -127,9 +169,27 @@ void bind_shading(py::module_& module) {
         return std::vector<PluginReport>(all.begin(), all.end());
     });
     module.def("evaluate_float", &evaluate<float>, py::arg("shader"), py::arg("count"), py::arg("directions"),
-               py::arg("params"), py::arg("options"), "(9, count) float32: diffuse, specular, transmission.");
+               py::arg("params"), py::arg("options"), py::arg("tables"),
+               "(9, count) float32: diffuse, specular, transmission.");
     module.def("evaluate_double", &evaluate<double>, py::arg("shader"), py::arg("count"), py::arg("directions"),
-               py::arg("params"), py::arg("options"), "(9, count) float64: diffuse, specular, transmission.");
+               py::arg("params"), py::arg("options"), py::arg("tables"),
+               "(9, count) float64: diffuse, specular, transmission.");
+    module.def(
+        "load_table",
+        [](const std::filesystem::path& path) {
+            std::shared_ptr<const LookupTable> table;
+            {
+                const py::gil_scoped_release
+                    release;  // a Python reader may be asked, from a thread that holds what this waits for
+                table = load_table(path);
+            }
+            return array_of(*table);
+        },
+        py::arg("path"), "A table from a file, (height, width).");
+    module.def(
+        "builtin_table",
+        [](const ShaderInfo& shader, const std::string& name) { return array_of(*builtin_table(shader, name)); },
+        py::arg("shader"), py::arg("parameter"), "The table that a shader has where none is given, (height, width).");
 }
 
 }  // namespace relume::python

@@ -77,6 +77,14 @@ private:
     const std::array<double, 16>* camera_to_world_ = nullptr;
 };
 
+/// A light's colour in single precision.
+void store_color(const Baker& b, float (&to)[3], const Triple& from, double factor) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        to[k] = static_cast<float>(factor * from[k]);
+        if (!std::isfinite(to[k])) b.fail("is brighter than single precision holds; lower its exposure");
+    }
+}
+
 void store(float (&to)[3], const Triple& from, double sign = 1) {
     for (std::size_t k = 0; k < 3; ++k) to[k] = static_cast<float>(sign * from[k]);
 }
@@ -89,7 +97,7 @@ DirectLight bake_direct(const Baker& b, LightKind kind) {
     out.inverse_square = 1;
     const Triple color = product(b.tint(), kind == LightKind::sun ? b.triple("irradiance") : b.intensity());
     const double lobes[3] = {b.number("diffuse"), b.number("specular"), b.number("transmission")};
-    for (std::size_t k = 0; k < 3; ++k) store(out.color[k], color, lobes[k]);
+    for (std::size_t k = 0; k < 3; ++k) store_color(b, out.color[k], color, lobes[k]);
     if (kind != LightKind::point) store(out.to_light, b.direction("direction"), -1);
     if (kind == LightKind::sun) return out;
 
@@ -120,16 +128,16 @@ AmbientLight bake_ambient(const Baker& b, std::string_view type) {
     const double diffuse = b.number("diffuse");
     if (type == "sky") {
         store(out.axis, b.direction("up"));
-        store(out.low, product(tint, b.triple("ground_color")), diffuse);
-        store(out.high, product(tint, b.triple("sky_color")), diffuse);
+        store_color(b, out.low, product(tint, b.triple("ground_color")), diffuse);
+        store_color(b, out.high, product(tint, b.triple("sky_color")), diffuse);
     } else {
         const Triple irradiance = product(tint, b.triple("irradiance"));
-        store(out.high, irradiance, diffuse);
+        store_color(b, out.high, irradiance, diffuse);
         if (type == "bounce") {
             store(out.axis, b.direction("direction"), -1);
             out.clamp = b.boolean("clamp");
         } else {
-            store(out.low, irradiance, diffuse);
+            store_color(b, out.low, irradiance, diffuse);
         }
     }
     return out;

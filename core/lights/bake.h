@@ -24,7 +24,7 @@ struct BakedLight {
 
 /// World-space constants of a light. `camera` places lights with space = "camera"; where it is absent the camera is
 /// taken to be at the world's origin. `warnings` gets a sentence for what the light asks and shading leaves out.
-/// Errors: parameter (zero direction; power and intensity both given; no position).
+/// Errors: parameter (zero direction; power and intensity both given; no position; brighter than float holds).
 BakedLight bake_light(const Light& light, const std::optional<Camera>& camera, std::vector<std::string>& warnings);
 
 }  // namespace relume

@@ -7,14 +7,25 @@
 
 #include "relume/error.h"
 #include "relume/light.h"
+#include "shading/builtin_table.h"
 #include "shading/evaluate.h"
 
 namespace relume {
 
 namespace {
 
-bool is_option(const Parameter& p) {
-    return p.type == ParameterType::boolean || p.type == ParameterType::integer || p.type == ParameterType::choice;
+/// The table that a rig gives: numbers of its own, a file, or none, which is the shader's built-in one.
+std::shared_ptr<const LookupTable> table_of(const ShaderInfo& shader, const Parameter& row, const Value* given) {
+    if (given != nullptr)
+        if (const auto* numbers = std::get_if<LookupTable>(given)) return std::make_shared<const LookupTable>(*numbers);
+    const auto* file = given == nullptr ? nullptr : std::get_if<std::string>(given);
+    if (file == nullptr || file->empty()) return builtin_table(shader, row.name);
+    try {
+        return load_table(*file);
+    } catch (const Error& error) {
+        throw Error(error.kind(),
+                    "shader '" + std::string(shader.name) + "': " + std::string(row.name) + ": " + error.what());
+    }
 }
 
 std::string names_of(const std::vector<Light>& lights) {
@@ -158,8 +169,16 @@ int Plan::bind(const GBuffer& gbuffer, const ShaderInfo& shader, const ShaderUse
     binding.options = default_options(shader);
     binding.slot_planes.assign(static_cast<std::size_t>(shader.abi->float_slots), -1);
     binding.constants.resize(static_cast<std::size_t>(shader.abi->float_slots));
+    binding.tables.resize(static_cast<std::size_t>(shader.abi->table_slots));
+    binding.table_views.resize(binding.tables.size());
     for (const Parameter& p : shader.parameters) {
-        if (is_option(p)) {
+        if (p.type == ParameterType::table) {
+            const auto slot = static_cast<std::size_t>(p.slot);
+            binding.tables[slot] = table_of(shader, p, use.values.find(p.name));
+            binding.table_views[slot] = view_of(*binding.tables[slot]);
+            continue;
+        }
+        if (p.is_option()) {
             const auto slot = static_cast<std::size_t>(p.slot);
             if (p.type == ParameterType::choice) binding.options[slot] = use.values.choice(shader.parameters, p.name);
             else if (p.type == ParameterType::boolean)

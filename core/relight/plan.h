@@ -4,11 +4,13 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "lights/bake.h"
 #include "relume/gbuffer.h"
+#include "relume/lookup_table.h"
 #include "relume/relight.h"
 #include "relume/rig.h"
 #include "relume/shader.h"
@@ -23,6 +25,8 @@ struct ShaderBinding {
     std::vector<int> slot_planes;  ///< index into the segment's planes, −1: the constant
     std::vector<float> constants;
     std::vector<std::int32_t> options;
+    std::vector<std::shared_ptr<const LookupTable>> tables;
+    std::vector<TableView> table_views;
 };
 
 /// Which pixels a binding gets; all given conditions must hold.

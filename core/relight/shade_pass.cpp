@@ -64,8 +64,8 @@ void ShadePass::compute_masks(std::span<const float* const> planes, int count) {
         for (int i = 0; i < count; ++i) {
             // Mattes are shares of the pixel; the light is masked over the part that the surface covers.
             const float whole = coverage != nullptr && coverage[i] > 0 ? coverage[i] : 1.f;
-            const float in = include != nullptr ? std::min(include[i] / whole, 1.f) : 1.f;
-            const float ex = exclude != nullptr ? std::min(exclude[i] / whole, 1.f) : 0.f;
+            const float in = include != nullptr ? std::min(1.f, include[i] / whole) : 1.f;  // 1 for NaN, which ∞/∞ is
+            const float ex = exclude != nullptr ? std::min(1.f, exclude[i] / whole) : 0.f;
             out[i] = in * (1.f - ex);
         }
         masks_[m] = out;
@@ -137,6 +137,7 @@ void ShadePass::run(const ShaderBinding& binding, const LightGroup& group, std::
     tile.slots = slot_pointers_.data();
     tile.constants = binding.constants.data();
     tile.options = binding.options.data();
+    tile.tables = binding.table_views.data();
 
     direct_ = group.direct;
     ambient_ = group.ambient;

@@ -49,10 +49,7 @@ std::optional<std::vector<std::string>> as_texts(const Value& value) {
     return std::nullopt;
 }
 
-bool takes_channel(const Parameter& row) {
-    return row.slot >= 0 &&
-           (row.type == ParameterType::scalar || row.type == ParameterType::color || row.type == ParameterType::vector);
-}
+bool takes_channel(const Parameter& row) { return row.slot >= 0 && row.is_number(); }
 
 class Check {
 public:
@@ -77,6 +74,14 @@ public:
                                                            : "within " + low + " … " + high;
         throw Problem(Problem::Cause::range, name() + " is " + short_number_text(number),
                       "; it must be " + allowed + (row_.unit.empty() ? "" : " " + std::string(row_.unit)));
+    }
+
+    void table(const LookupTable& table) const {
+        try {
+            check_table(table, name());
+        } catch (const Error& error) {
+            throw Problem(Problem::Cause::range, error.what());
+        }
     }
 
     template <class T> const T& some(const std::optional<T>& converted) const {
@@ -143,6 +148,10 @@ Value canonical(const Parameter& row, const Value& value, std::string_view what)
             for (const double number : numbers) check.range(number);
             return numbers;
         }
+        case ParameterType::table:
+            if (const auto* table = std::get_if<LookupTable>(&value)) check.table(*table);
+            else if (!std::holds_alternative<std::string>(value)) check.wrong_type();
+            return value;
     }
     check.wrong_type();
 }

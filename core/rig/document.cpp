@@ -51,9 +51,23 @@ std::optional<std::vector<double>> numbers_of(const toml::array& array) {
     return out;
 }
 
+/// Rows of numbers, all of one length.
+std::optional<LookupTable> table_of(const toml::array& array) {
+    LookupTable out;
+    for (const toml::node& item : array) {
+        const auto numbers = item.is_array() ? numbers_of(*item.as_array()) : std::nullopt;
+        if (!numbers || numbers->empty() || (out.height > 0 && std::ssize(*numbers) != out.width)) return std::nullopt;
+        out.width = static_cast<int>(numbers->size());
+        ++out.height;
+        for (const double number : *numbers) out.texels.push_back(static_cast<float>(number));
+    }
+    return out.height > 0 ? std::optional(std::move(out)) : std::nullopt;
+}
+
 std::variant<Value, Node::Table, Node::Tables, Node::Other> convert_array(const toml::array& array, int depth) {
     if (auto numbers = numbers_of(array)) return Value(std::move(*numbers));
     if (auto texts = list_of<std::string>(array)) return Value(std::move(*texts));
+    if (auto table = table_of(array)) return Value(std::move(*table));
     if (!array.is_homogeneous(toml::node_type::table)) {
         const bool nested = std::any_of(array.begin(), array.end(), [](const toml::node& n) { return n.is_array(); });
         return Node::Other{nested ? "a list of lists" : "a list of mixed values"};

@@ -86,12 +86,15 @@ ShaderUse default_shader() {
 /// A bare word is a string where the row takes strings, whatever else TOML would read in it.
 Value for_row(const Parameter* row, const rigfile::Node& node, std::string_view text, std::string_view what) {
     const auto* value = std::get_if<Value>(&node.data);
-    const bool wants_text = row != nullptr && (row->type == ParameterType::text || row->type == ParameterType::choice ||
-                                               row->type == ParameterType::text_list);
-    const bool is_text = value != nullptr && (std::holds_alternative<std::string>(*value) ||
-                                              std::holds_alternative<std::vector<std::string>>(*value) ||
-                                              std::holds_alternative<std::vector<double>>(*value));
-    if (wants_text && !is_text && node.table() == nullptr) return std::string(text);
+    const bool wants_text =
+        row != nullptr && (row->type == ParameterType::text || row->type == ParameterType::choice ||
+                           row->type == ParameterType::text_list || row->type == ParameterType::table);
+    const bool is_text =
+        value != nullptr &&
+        (std::holds_alternative<std::string>(*value) || std::holds_alternative<std::vector<std::string>>(*value) ||
+         std::holds_alternative<std::vector<double>>(*value) || std::holds_alternative<LookupTable>(*value));
+    const bool list = value == nullptr && text.find_first_not_of(" \t") == text.find('[');
+    if (wants_text && !is_text && !list && node.table() == nullptr) return std::string(text);
     if (value == nullptr) throw Problem(Problem::Cause::type, std::string(what) + " cannot be " + node.describe());
     return *value;
 }
@@ -297,6 +300,7 @@ std::optional<Value> default_value(const Parameter& row) {
             return static_cast<std::int64_t>(none.number(table, row.name));
         case ParameterType::choice:
         case ParameterType::text:
+        case ParameterType::table:
             return none.text(table, row.name);
         case ParameterType::text_list:
             return none.texts(table, row.name);

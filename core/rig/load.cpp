@@ -98,7 +98,7 @@ private:
             else if (entry.key == "camera") read_camera(source, entry);
             else if (entry.key == "output") read_output(source, table_of(source, entry, "[output]"));
             else if (entry.key == "light") read_lights(source, tables_of(source, entry));
-            else if (entry.key == "shader") read_shaders(source, tables_of(source, entry));
+            else if (entry.key == "shader") read_shaders(source, tables_of(source, entry), folder);
             else if (entry.key != "include") refuse_section(source, entry);
         }
     }
@@ -296,7 +296,7 @@ private:
         return name;
     }
 
-    void read_shaders(const Source& source, const Node::Tables& tables) {
+    void read_shaders(const Source& source, const Node::Tables& tables, const std::filesystem::path& folder) {
         std::vector<ShaderUse> read;
         for (const Node& node : tables) {
             const Node::Table& table = *node.table();
@@ -308,7 +308,7 @@ private:
             apply(source, *use, "[[shader]]",
                   [&](const Value&) { set_shader_use(shader, text_of(source, *use, "[[shader]]")); });
             for (const Entry& entry : table.entries)
-                if (&entry != use) read_shader_key(source, entry, shader);
+                if (&entry != use) read_shader_key(source, entry, shader, folder);
             read.push_back(std::move(shader));
         }
         // The first that matches wins and the last without a match is the default: to override what was included, these
@@ -323,11 +323,22 @@ private:
         rig_.shaders.insert(rig_.shaders.end(), defaults, read.end());
     }
 
-    static void read_shader_key(const Source& source, const Entry& entry, ShaderUse& shader) {
+    /// The value of a shader's key, the name of a table's file resolved.
+    static Value from_folder(const ShaderUse& shader, std::string_view key, const Value& value,
+                             const std::filesystem::path& folder) {
+        const Parameter* row = find_row(shader_use_parameters(shader.use), key);
+        const auto* name = std::get_if<std::string>(&value);
+        if (row == nullptr || row->type != ParameterType::table || name == nullptr) return value;
+        return resolved(*name, folder);
+    }
+
+    static void read_shader_key(const Source& source, const Entry& entry, ShaderUse& shader,
+                                const std::filesystem::path& folder) {
         const auto* table = entry.node.table();
         if (table == nullptr) {
-            apply(source, entry, shader_label(shader),
-                  [&](const Value& value) { set_shader(shader, entry.key, value); });
+            apply(source, entry, shader_label(shader), [&](const Value& value) {
+                set_shader(shader, entry.key, from_folder(shader, entry.key, value, folder));
+            });
             return;
         }
         const std::string what = shader_label(shader) + ": " + one_line(entry.key);

@@ -46,10 +46,6 @@ std::vector<Parameter> common_parameters() {
     return rows;
 }
 
-bool may_be_a_channel(const Parameter& p) {
-    return p.type == ParameterType::scalar || p.type == ParameterType::color || p.type == ParameterType::vector;
-}
-
 }  // namespace
 
 std::span<const std::string_view> shading_model_names() { return kShadingModels; }
@@ -77,7 +73,7 @@ std::vector<std::string_view> channel_names() {
         add("cryptomatte");  // a file that holds it
         for (const ShaderInfo& shader : shaders())
             for (const Parameter& p : shader.parameters)
-                if (may_be_a_channel(p)) add(p.name);
+                if (p.is_number()) add(p.name);
         return names;
     }();
     return all;

@@ -20,6 +20,18 @@ template <class List, class Text> std::string list_text(const List& list, Text t
     return out + "]";
 }
 
+/// Rows of numbers, each in the fewest digits that read back to the same float.
+std::string table_text(const LookupTable& table) {
+    std::string out = "[";
+    for (std::size_t i = 0; i < table.texels.size(); ++i) {
+        const bool row = i % static_cast<std::size_t>(table.width) == 0;
+        out += row ? (i == 0 ? "[" : "], [") : ", ";
+        char buffer[32];
+        out.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, table.texels[i]).ptr);
+    }
+    return out + "]]";
+}
+
 std::string plural(std::size_t count, std::string_view thing) {
     return std::to_string(count) + " " + std::string(thing) + (count == 1 ? "" : "s");
 }
@@ -96,6 +108,7 @@ std::string value_text(const Value& value, ParameterType type) {
                               return "{ channel = " + string_text(v.channel) + ", scale = " + number_text(v.scale) +
                                      ", offset = " + number_text(v.offset) + " }";
                           },
+                          [](const LookupTable& v) { return table_text(v); },
                       },
                       value);
 }
@@ -113,6 +126,7 @@ std::string describe(const Value& value) {
                                                : "a list of " + plural(v.size(), "number");
                           },
                           [](const ChannelRef& v) { return "the channel " + in_quotes(v.channel); },
+                          [](const LookupTable&) -> std::string { return "a list of lists"; },
                       },
                       value);
 }
@@ -142,6 +156,8 @@ std::string expectation(const Parameter& row) {
         case ParameterType::number_list:
             return row.count > 0 ? "a list of " + plural(static_cast<std::size_t>(row.count), "number")
                                  : "a list of numbers";
+        case ParameterType::table:
+            return "the name of a file, or rows of numbers [[…], […]]";
     }
     return {};
 }

@@ -5,16 +5,10 @@
 #include <string_view>
 
 #include "relume/isa.h"
+#include "relume/lookup_table.h"
+#include "shading/builtin_table.h"
 
 namespace relume {
-
-namespace {
-
-bool is_option(const Parameter& p) {
-    return p.type == ParameterType::boolean || p.type == ParameterType::integer || p.type == ParameterType::choice;
-}
-
-}  // namespace
 
 void evaluate_shader(const ShaderInfo& shader, ShaderEvaluation<float>& evaluation) {
     evaluation.size = sizeof evaluation;
@@ -29,7 +23,7 @@ void evaluate_shader(const ShaderInfo& shader, ShaderEvaluation<double>& evaluat
 std::vector<double> default_params(const ShaderInfo& shader) {
     std::vector<double> values(static_cast<std::size_t>(shader.abi->float_slots));
     for (const Parameter& p : shader.parameters) {
-        if (is_option(p)) continue;
+        if (!p.is_number()) continue;
         for (int k = 0; k < p.components(); ++k)
             values[static_cast<std::size_t>(p.slot + k)] = p.value[static_cast<std::size_t>(k)];
     }
@@ -39,8 +33,16 @@ std::vector<double> default_params(const ShaderInfo& shader) {
 std::vector<std::int32_t> default_options(const ShaderInfo& shader) {
     std::vector<std::int32_t> values(static_cast<std::size_t>(shader.abi->option_slots));
     for (const Parameter& p : shader.parameters)
-        if (is_option(p)) values[static_cast<std::size_t>(p.slot)] = static_cast<std::int32_t>(p.value[0]);
+        if (p.is_option()) values[static_cast<std::size_t>(p.slot)] = static_cast<std::int32_t>(p.value[0]);
     return values;
+}
+
+std::vector<TableView> default_tables(const ShaderInfo& shader) {
+    std::vector<TableView> views(static_cast<std::size_t>(shader.abi->table_slots));
+    for (const Parameter& p : shader.parameters)
+        if (p.type == ParameterType::table)
+            views[static_cast<std::size_t>(p.slot)] = view_of(*builtin_table(shader, p.name));
+    return views;
 }
 
 ShadeFunction kernel_of(const ShaderInfo& shader) {

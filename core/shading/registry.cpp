@@ -55,7 +55,12 @@ struct Registry {
     }
 
     void load_plugin(const std::filesystem::path& file) {
-        const auto refuse = [&](const std::string& why) { reports.push_back({file, false, why}); };
+        const std::size_t before = shaders.size();
+        // All of a file or nothing.
+        const auto refuse = [&](const std::string& why) {
+            shaders.resize(before);
+            reports.push_back({file, false, why});
+        };
         // Local and lazy: a plugin sees librelume's ABI alone, and two plugins never each other's symbols. Never
         // closed: tables and kernels of it stay in use.
         void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "relume/shading/distributions.h"
 #include "relume/shading/fresnel.h"
-#include "relume/shading/masking.h"
+#include "relume/shading/principled_lobes.h"
 #include "relume/shading/register.h"
 #include "relume/shading/standard_parameters.h"
-#include "relume/shading/tint.h"
 
 namespace relume::shaders {
 
@@ -76,14 +74,10 @@ struct BlenderPrincipled {
     template <class T> struct Prepared : PreparedTerms<T, 4> {
         T roughness;
         T fresnel_v;  // (1−NdotV)⁵
-        T alpha2;
-        T weight;  // alpha²/π times the masking of v; 0 for a mirror
         DielectricRise<T> rise;
-        T anisotropic, alpha_x, alpha_y, masking_v;
-        Vec3<T> tangent, bitangent;
-        T coat;  // clearcoat/4 times the masking of v; 0 for a mirror
-        Gtr1<T> coat_distribution;
-        bool any_anisotropic, any_coat, any_sheen;
+        SeparableGgx<T> highlight;
+        Clearcoat<T> coat;
+        bool any_coat, any_sheen;
     };
 
     template <class T>
@@ -94,10 +88,9 @@ struct BlenderPrincipled {
         const T dielectric = one - metallic;
         const T f0 = constant<T>(0.08) * max(p.specular, zero);
         const Color<T> tint = tint_of(p.base_color, kLuminanceBurley);
-        const Color<T> c0 = scale(lerp(splat(one), tint, saturate(p.specular_tint)), f0);
         out.color[0] = scale(p.base_color, dielectric * constant<T>(kInvPi));
-        out.color[1] = scale(lerp(splat(one), tint, saturate(p.sheen_tint)), saturate(p.sheen) * dielectric);
-        out.color[2] = lerp(c0, p.base_color, metallic);
+        out.color[1] = sheen_color(p.sheen, p.sheen_tint, tint, dielectric);
+        out.color[2] = principled_f0(f0, p.specular_tint, tint, p.base_color, metallic);
         out.color[3] = splat(one);
         out.ambient = out.color[0];
         out.emission = p.emission;
@@ -105,35 +98,27 @@ struct BlenderPrincipled {
         out.roughness = saturate(p.roughness);
         out.fresnel_v = schlick_weight(g.n_dot_v);
         const T alpha = square(out.roughness);
-        out.alpha2 = square(alpha);
-        const MaskOf<T> rough = out.alpha2 > constant<T>(kMirror);
-        out.alpha2 = max(out.alpha2, constant<T>(kMirror));
-        out.weight = select(rough, constant<T>(kInvPi) * out.alpha2 * ggx_half_masking(out.alpha2, g.n_dot_v), zero);
         out.rise = dielectric_rise(f0);
-
-        out.anisotropic = saturate(p.anisotropic);
-        out.any_anisotropic = !g.isotropic && any(out.anisotropic > zero);
-        if (out.any_anisotropic) {
-            rotated_frame(g, p.anisotropic_rotation, out.tangent, out.bitangent);
-            const T aspect = sqrt(fma(out.anisotropic, constant<T>(-0.9), one));
+        SeparableGgx<T>& highlight = out.highlight;
+        highlight.prepare_round(max(square(alpha), constant<T>(kMirror)), g.n_dot_v);
+        highlight.anisotropic = saturate(p.anisotropic);
+        highlight.any_anisotropic = !g.isotropic && any(highlight.anisotropic > zero);
+        if (highlight.any_anisotropic) {
+            rotated_frame(g, p.anisotropic_rotation, highlight.tangent, highlight.bitangent);
+            const T aspect = sqrt(fma(highlight.anisotropic, constant<T>(-0.9), one));
             const T bounded = max(alpha, constant<T>(3.16e-4));
-            out.alpha_x = min(bounded * rcp(aspect), one);  // Cycles bounds both
-            out.alpha_y = bounded * aspect;
-            out.masking_v = select(rough,
-                                   ggx_half_masking_anisotropic(out.alpha_x, out.alpha_y, dot(out.tangent, g.v),
-                                                                dot(out.bitangent, g.v), g.n_dot_v),
-                                   zero);
+            highlight.alpha_x = min(bounded * rcp(aspect), one);  // Cycles bounds both
+            highlight.alpha_y = bounded * aspect;
+            highlight.prepare_stretched(g);
         }
+        highlight.keep_where(square(alpha) > constant<T>(kMirror));
 
         out.any_sheen = any(p.sheen > zero);
         out.any_coat = any(p.clearcoat > zero);
         if (out.any_coat) {
             const T coat_alpha = square(saturate(p.clearcoat_roughness));
-            const MaskOf<T> coat_rough = square(coat_alpha) > constant<T>(kMirror);
-            out.coat_distribution = gtr1(max(coat_alpha, constant<T>(3.16e-4)));
-            out.coat = select(
-                coat_rough,
-                constant<T>(0.25) * saturate(p.clearcoat) * ggx_half_masking(constant<T>(0.0625), g.n_dot_v), zero);
+            out.coat = clearcoat(p.clearcoat, max(coat_alpha, constant<T>(3.16e-4)), g.n_dot_v);
+            out.coat.weight = select(square(coat_alpha) > constant<T>(kMirror), out.coat.weight, zero);
         }
         return out;
     }
@@ -163,24 +148,12 @@ struct BlenderPrincipled {
         w[1] = zero;
         if (m.any_sheen) w[1] = n_dot_l * max(schlick_weight(h.v_dot_h), zero);
 
-        const T sin2_h = h.sin2_h();
-        const T bracket = ggx_bracket(m.alpha2, sin2_h);
-        T lobe = m.weight * n_dot_l * ggx_half_masking(m.alpha2, n_dot_l) * rcp(bracket * bracket);
-        if (m.any_anisotropic) {
-            const Vec3<T> hd = half_direction(g, s, h);
-            const T d = ggx_distribution_anisotropic(m.alpha_x, m.alpha_y, dot(m.tangent, hd), dot(m.bitangent, hd),
-                                                     square(h.n_dot_h()));
-            const T masking = m.masking_v * ggx_half_masking_anisotropic(m.alpha_x, m.alpha_y, dot(m.tangent, s.l),
-                                                                         dot(m.bitangent, s.l), n_dot_l);
-            lobe = select(m.anisotropic > zero, d * masking * n_dot_l, lobe);
-        }
+        const T lobe = m.highlight(g, s, h, n_dot_l);
         const T rise = m.rise(h.v_dot_h);
         w[2] = fma(-rise, lobe, lobe);
         w[3] = rise * lobe;
         if (m.any_coat) {
-            const T coat =
-                m.coat * n_dot_l * m.coat_distribution(sin2_h) * ggx_half_masking(constant<T>(0.0625), n_dot_l);
-            w[3] = fma(coat, dielectric_fresnel(h.v_dot_h, constant<T>(1.5)), w[3]);
+            w[3] = fma(m.coat(h, n_dot_l), dielectric_fresnel(h.v_dot_h, constant<T>(1.5)), w[3]);
         }
     }
 };

@@ -52,7 +52,7 @@ struct DefaultLit {
         const T one(1.f);
         const T metallic = saturate(p.metallic);
         Prepared<T> out;
-        const Color<T> f0 = lerp(splat(constant<T>(0.08) * p.specular), p.base_color, metallic);
+        const Color<T> f0 = lerp(splat(constant<T>(0.08) * max(p.specular, T(0.f))), p.base_color, metallic);
         out.color[0] = scale(p.base_color, (one - metallic) * constant<T>(kInvPi));
         const T f90 = saturate(constant<T>(50) * f0.y);  // Karis 2013
         out.ambient = out.color[0];

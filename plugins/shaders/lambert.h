@@ -14,7 +14,8 @@ struct Lambert {
         "A perfectly matt surface: the same radiance in every direction [Lambert1760]. f·NdotL = base_color/π·NdotL; plain: "
         "base_color·NdotL. Reciprocal; the albedo is base_color.\n"
         "Option: sss_color·p·NdotL is added, p = (1−g²)/(4π(1+g²−2g·v·l)^1.5) [HenyeyGreenstein1941, eq. 2] with g = sss_anisotropy, a "
-        "stand-in for light that scattered below the surface. It adds energy.";
+        "stand-in for light that scattered below the surface. It adds energy. Left out is the factor clamp(1−4·Σ max(0, h−d(P+h·l))) that dims it where little of the body lies behind "
+        "the surface: it probes the scene's distance field d inside the object, and a G-buffer holds the first surface alone.";
 
     template <class T> struct Params {
         Color<T> base_color;

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "relume/shading/distributions.h"
 #include "relume/shading/fresnel.h"
-#include "relume/shading/masking.h"
+#include "relume/shading/principled_lobes.h"
 #include "relume/shading/register.h"
 #include "relume/shading/standard_parameters.h"
-#include "relume/shading/tint.h"
 
 namespace relume::shaders {
 
@@ -72,18 +70,13 @@ struct Principled {
     static constexpr bool lit_from_below = false;
     static constexpr Lobe terms[] = {Lobe::diffuse, Lobe::diffuse, Lobe::specular, Lobe::specular};
 
-    static constexpr double kCoatMasking2 = 0.25 * 0.25;
-
     template <class T> struct Prepared : PreparedTerms<T, 4> {
         T roughness, subsurface;
         T fresnel_v, n_dot_v;
-        T alpha2, weight;     // weight = alpha²/π·g(v)
         T eta, exact, white;  // mitsuba: weights of the exact Fresnel and of Schlick's grazing term
-        T anisotropic, alpha_x, alpha_y, masking_v;
-        Vec3<T> tangent, bitangent;
-        T coat;  // clearcoat/4·g(v)
-        Gtr1<T> coat_distribution;
-        bool any_subsurface, any_sheen, any_anisotropic, any_coat;
+        SeparableGgx<T> highlight;
+        Clearcoat<T> coat;
+        bool any_subsurface, any_sheen, any_coat;
     };
 
     template <class T>
@@ -95,7 +88,7 @@ struct Principled {
         const Color<T> tint =
             o.variant == mitsuba ? tint_of(p.base_color, kLuminanceRec709) : tint_of(p.base_color, kLuminanceBurley);
         out.color[0] = scale(p.base_color, dielectric * constant<T>(kInvPi));
-        out.color[1] = scale(lerp(splat(one), tint, saturate(p.sheen_tint)), saturate(p.sheen) * dielectric);
+        out.color[1] = sheen_color(p.sheen, p.sheen_tint, tint, dielectric);
         const T specular_tint = saturate(p.specular_tint);
         if (o.variant == mitsuba) {
             // F = (1−m)·(1−t)·Fd + m·mix(base, 1, FH) + (1−m)·t·mix(tint·F0, 1, FH).
@@ -107,7 +100,7 @@ struct Principled {
             out.exact = dielectric * (one - specular_tint);
             out.white = metallic + tinted;
         } else {
-            out.color[2] = lerp(scale(lerp(splat(one), tint, specular_tint), f0), p.base_color, metallic);
+            out.color[2] = principled_f0(f0, specular_tint, tint, p.base_color, metallic);
             out.color[3] = splat(one);
         }
         out.ambient = out.color[0];
@@ -118,28 +111,24 @@ struct Principled {
         out.any_subsurface = any(out.subsurface > zero);
         out.n_dot_v = g.n_dot_v;
         out.fresnel_v = schlick_weight(g.n_dot_v);
-        const T alpha = alpha_from_roughness(p.roughness);
-        out.alpha2 = alpha * alpha;
-        out.weight = constant<T>(kInvPi) * out.alpha2 * ggx_half_masking(out.alpha2, g.n_dot_v);
-
-        out.anisotropic = saturate(p.anisotropic);
-        out.any_anisotropic = !g.isotropic && any(out.anisotropic > zero);
-        if (out.any_anisotropic) {
-            tangent_frame(g, out.tangent, out.bitangent);
-            const T aspect = sqrt(fma(out.anisotropic, constant<T>(-0.9), one));
+        SeparableGgx<T>& highlight = out.highlight;
+        highlight.prepare_round(square(alpha_from_roughness(p.roughness)), g.n_dot_v);
+        highlight.anisotropic = saturate(p.anisotropic);
+        highlight.any_anisotropic = !g.isotropic && any(highlight.anisotropic > zero);
+        if (highlight.any_anisotropic) {
+            tangent_frame(g, highlight.tangent, highlight.bitangent);
+            const T aspect = sqrt(fma(highlight.anisotropic, constant<T>(-0.9), one));
             const T rough2 = square(out.roughness);
-            out.alpha_x = max(rough2 * rcp(aspect), least);
-            out.alpha_y = max(rough2 * aspect, least);
-            out.masking_v = ggx_half_masking_anisotropic(out.alpha_x, out.alpha_y, dot(out.tangent, g.v),
-                                                         dot(out.bitangent, g.v), g.n_dot_v);
+            highlight.alpha_x = max(rough2 * rcp(aspect), least);
+            highlight.alpha_y = max(rough2 * aspect, least);
+            highlight.prepare_stretched(g);
         }
         out.any_sheen = any(p.sheen > zero);
         out.any_coat = any(p.clearcoat > zero);
         if (out.any_coat) {
-            out.coat_distribution = gtr1(lerp(constant<T>(0.1), constant<T>(0.001), saturate(p.clearcoat_gloss)));
-            out.coat =
-                constant<T>(0.25) * saturate(p.clearcoat) * ggx_half_masking(constant<T>(kCoatMasking2), g.n_dot_v);
-            if (o.variant == mitsuba) out.coat = out.coat * T(2.f) * g.n_dot_v;
+            out.coat = clearcoat(p.clearcoat, lerp(constant<T>(0.1), constant<T>(0.001), saturate(p.clearcoat_gloss)),
+                                 g.n_dot_v);
+            if (o.variant == mitsuba) out.coat.weight = out.coat.weight * T(2.f) * g.n_dot_v;
         }
         return out;
     }
@@ -157,29 +146,21 @@ struct Principled {
         T diffuse = fma(d90, fl, one) * fma(d90, m.fresnel_v, one);
         if (m.any_subsurface) {
             const T fss = fma(ss90 - one, fl, one) * fma(ss90 - one, m.fresnel_v, one);
-            const T ss = constant<T>(1.25) * fma(fss, rcp(n_dot_l + m.n_dot_v) - half, half);
-            diffuse = select(m.subsurface > zero, lerp(diffuse, ss, m.subsurface), diffuse);
+            const T ss = fma(fss, rcp(n_dot_l + m.n_dot_v) - half, half);
+            // lerp(diffuse, 1.25·ss, subsurface), fused by name: of two products the compiler takes now one, now the
+            // other.
+            const T change = fma(constant<T>(1.25), ss, -diffuse);
+            diffuse = select(m.subsurface > zero, fma(m.subsurface, change, diffuse), diffuse);
         }
         w[0] = n_dot_l * diffuse;
         w[1] = m.any_sheen ? n_dot_l * max(fh, zero) : zero;
 
-        const T sin2_h = h.sin2_h();
-        const T bracket = ggx_bracket(m.alpha2, sin2_h);
-        T lobe = m.weight * n_dot_l * ggx_half_masking(m.alpha2, n_dot_l) * rcp(bracket * bracket);
-        if (m.any_anisotropic) {
-            const Vec3<T> hd = half_direction(g, s, h);
-            const T d = ggx_distribution_anisotropic(m.alpha_x, m.alpha_y, dot(m.tangent, hd), dot(m.bitangent, hd),
-                                                     square(h.n_dot_h()));
-            const T masking = m.masking_v * ggx_half_masking_anisotropic(m.alpha_x, m.alpha_y, dot(m.tangent, s.l),
-                                                                         dot(m.bitangent, s.l), n_dot_l);
-            lobe = select(m.anisotropic > zero, d * masking * n_dot_l, lobe);
-        }
+        const T lobe = m.highlight(g, s, h, n_dot_l);
         w[2] = fma(-fh, lobe, lobe);
         w[3] =
             o.variant == mitsuba ? lobe * fma(m.exact, dielectric_fresnel(h.v_dot_h, m.eta), fh * m.white) : fh * lobe;
         if (m.any_coat) {
-            T coat =
-                m.coat * n_dot_l * m.coat_distribution(sin2_h) * ggx_half_masking(constant<T>(kCoatMasking2), n_dot_l);
+            T coat = m.coat(h, n_dot_l);
             if (o.variant == mitsuba) coat = coat * T(2.f) * n_dot_l;
             w[3] = fma(coat, lerp(constant<T>(0.04), one, fh), w[3]);
         }

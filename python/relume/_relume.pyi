@@ -32,6 +32,7 @@ __all__: list[str] = [
     "apply_display",
     "available_isas",
     "builtin_rigs",
+    "builtin_table",
     "camera_parameters",
     "channel_rule_parameters",
     "evaluate_double",
@@ -39,6 +40,7 @@ __all__: list[str] = [
     "gbuffer_parameters",
     "is_pattern",
     "light_types",
+    "load_table",
     "nearest_name",
     "openexr_build",
     "output_parameters",
@@ -123,7 +125,7 @@ class Parameter:
     @property
     def type(self) -> str:
         """
-        scalar, color, vector, boolean, integer, choice, text, text_list or number_list.
+        scalar, color, vector, boolean, integer, choice, text, text_list, number_list or table.
         """
     @property
     def unit(self) -> str:
@@ -177,6 +179,8 @@ class ShaderInfo:
     def option_slots(self) -> int: ...
     @property
     def parameters(self) -> tuple[Parameter, ...]: ...
+    @property
+    def table_slots(self) -> int: ...
 
 class PluginReport:
     """
@@ -537,6 +541,11 @@ def builtin_rigs() -> list[str]:
     Names of the built-in rigs.
     """
 
+def builtin_table(shader: ShaderInfo, parameter: str) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    The table that a shader has where none is given, (height, width).
+    """
+
 def camera_parameters() -> tuple[Parameter, ...]: ...
 def channel_rule_parameters() -> tuple[Parameter, ...]: ...
 def evaluate_double(
@@ -545,6 +554,7 @@ def evaluate_double(
     directions: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64]],
     params: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64]],
     options: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+    tables: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None],
 ) -> numpy.typing.NDArray[numpy.float64]:
     """
     (9, count) float64: diffuse, specular, transmission.
@@ -556,6 +566,7 @@ def evaluate_float(
     directions: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float32]],
     params: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float32]],
     options: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+    tables: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None],
 ) -> numpy.typing.NDArray[numpy.float32]:
     """
     (9, count) float32: diffuse, specular, transmission.
@@ -568,6 +579,11 @@ def is_pattern(name: str) -> bool:
     """
 
 def light_types() -> list[LightType]: ...
+def load_table(path: os.PathLike[str] | str | bytes) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    A table from a file, (height, width).
+    """
+
 def nearest_name(word: str, candidates: collections.abc.Sequence[str]) -> str:
     """
     The candidate nearest to the word, or "" when none is near.

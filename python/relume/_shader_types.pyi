@@ -3,6 +3,7 @@
 """The built-in shaders as type checkers see them; there is no such module at run time."""
 
 from collections.abc import Iterator, Mapping
+from os import PathLike
 from typing import Literal, overload
 
 from numpy.typing import ArrayLike
@@ -79,11 +80,14 @@ class CookTorrance(Shader):
         metallic: ArrayLike = ...,
         specular: ArrayLike = ...,
         roughness: ArrayLike = ...,
+        specular_color: ArrayLike = ...,
+        spec_power: ArrayLike = ...,
         sss_color: ArrayLike = ...,
         sss_anisotropy: ArrayLike = ...,
         ambient: ArrayLike = ...,
         emission: ArrayLike = ...,
-        distribution: Literal["ggx", "beckmann", "gaussian", "blinn_phong"] = ...,
+        distribution: Literal["ggx", "beckmann", "gaussian", "blinn_phong", "texture"] = ...,
+        distribution_table: ArrayLike | PathLike[str] = ...,
         masking: Literal[
             "smith_correlated", "smith_schlick", "smith_schlick_hable", "v_cavity", "smith_separable"
         ] = ...,

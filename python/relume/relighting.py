@@ -13,6 +13,7 @@ import numpy as np
 from relume import _relume
 from relume.errors import ArgumentError, UnknownNameError
 from relume.gbuffer import GBuffer, _thread_count
+from relume.images import install_reader
 from relume.rig import Rig
 
 if TYPE_CHECKING:
@@ -64,6 +65,7 @@ def _nearest(word: str, names: list[str]) -> str:
 
 
 def _rig_of(rig: AnyRig) -> Rig:
+    install_reader()  # for its tables
     if isinstance(rig, Rig):
         return rig
     if isinstance(rig, str) and ("\n" in rig or ("=" in rig and not rig.endswith((".relume", ".toml")))):

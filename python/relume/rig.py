@@ -7,6 +7,7 @@ Every key that a rig file may hold is an attribute here, checked against the sam
     rig.light.add("key", "sun", direction=(0.36, 0.81, -0.46), irradiance=3)
     rig.light["key"].exposure = 1
     rig.shader.add("ggx", roughness=0.3, cryptomatte=["car_*"])
+    rig.shader.add("cook_torrance", distribution="texture", distribution_table=painted)  # (H, W), or a file
     rig.output.aovs = ["light:key", "diffuse"]
     rig.gbuffer.channels["normal"] = {"channel": "N", "space": "camera"}
     rig.camera.fov = 39.6
@@ -21,8 +22,11 @@ from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequenc
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from relume import _relume
-from relume.errors import ParameterError, UnknownNameError
+from relume.errors import Error, ParameterError, UnknownNameError
+from relume.images import install_reader
 
 if TYPE_CHECKING:
     from relume._relume import Parameter
@@ -103,6 +107,8 @@ def _from_toml(row: Parameter | None, text: str) -> Any:
     if row.type in ("color", "vector"):
         numbers = value if isinstance(value, list) else [value] * 3
         return tuple(float(number) for number in numbers)
+    if row.type == "table":
+        return value if isinstance(value, str) else np.asarray(value, np.float32)
     if row.type == "text_list":
         return value if isinstance(value, list) else [value]
     if row.type == "number_list":
@@ -581,6 +587,23 @@ class Rig:
             ParameterError: there is no such key, or it was not given and has no default.
         """
         return _from_toml(None, self._rig.get(key))
+
+    def check_tables(self) -> None:
+        """Read the files of its shaders' tables, as a relight does before it shades.
+
+        Raises:
+            FileError: one is missing.
+            FormatError: one is no picture that can be a table.
+        """
+        install_reader()
+        for shader in self.shader:
+            for row in shader.parameters:
+                value = getattr(shader, row.name) if row.type == "table" else None
+                if isinstance(value, str) and value:
+                    try:
+                        _relume.load_table(Path(value))
+                    except Error as error:
+                        raise type(error)(f"{shader._title()}: {row.name}: {error}") from None
 
     def copy(self) -> Rig:
         """An independent copy."""

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import inspect
 import math
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -14,10 +16,9 @@ import numpy as np
 from relume import _relume
 from relume._relume import LightType, Parameter
 from relume.errors import ArgumentError, ParameterError, UnknownNameError
+from relume.images import install_reader
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from numpy.typing import ArrayLike, NDArray
 
     from relume._shader_types import ShaderMapping
@@ -84,6 +85,15 @@ class Shader:
         raise UnknownNameError(
             f"shader '{self.name}' has no parameter '{name}'{_hint(name, [p.name for p in self.parameters])}"
         )
+
+    def table(self, name: str) -> NDArray[np.float32]:
+        """The built-in table of a parameter of type table, (H, W).
+
+        Raises:
+            UnknownNameError: it has no such parameter; the message has the nearest name.
+            ParameterError: the parameter is not a table.
+        """
+        return _relume.builtin_table(self._info, self.parameter(name).name)
 
     def __repr__(self) -> str:
         return f"<Shader {self.name}: {', '.join(p.name for p in self.parameters)}>"
@@ -162,6 +172,8 @@ def default_text(parameter: Parameter) -> str:
     value = parameter.default
     if value is None:
         return "–"
+    if parameter.type == "table":
+        return value or "built in"
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (tuple, list)):
@@ -173,6 +185,10 @@ def _is_option(row: Parameter) -> bool:
     return row.type in ("boolean", "integer", "choice")
 
 
+def _is_number(row: Parameter) -> bool:
+    return row.type in ("scalar", "color", "vector")
+
+
 def _argument_help(row: Parameter) -> str:
     shape = {
         "color": "(…, 3) linear RGB, or (…) for grey",
@@ -181,8 +197,9 @@ def _argument_help(row: Parameter) -> str:
         "choice": " | ".join(row.choices),
         "boolean": "bool",
         "integer": "int",
+        "table": "(H, W) numbers, or a file of them",
     }.get(row.type, row.type)
-    limits = "" if row.type in ("boolean", "choice") else range_text(row)
+    limits = "" if row.type in ("boolean", "choice", "table") else range_text(row)
     about = f"{shape}{', ' + limits if limits else ''}, default {default_text(row)}."
     return f"{row.name}: {about} {row.help}"
 
@@ -268,6 +285,16 @@ def _option(shader: Shader, row: Parameter, value: object) -> int:
     return int(value)
 
 
+def _table(row: Parameter, value: object) -> NDArray[np.float32] | None:
+    """The numbers of a table by its value; None for the built-in one."""
+    if value is None or (isinstance(value, str) and not value):
+        return None
+    if isinstance(value, (str, os.PathLike)):
+        install_reader()
+        return _relume.load_table(Path(value))
+    return _array(row.name, value, np.float32)
+
+
 def _evaluate(
     shader: Shader,
     n: object,
@@ -278,7 +305,11 @@ def _evaluate(
 ) -> Evaluation:
     info = shader._info
     rows = {name: shader.parameter(name) for name in given}
-    floats = {name: value for name, value in given.items() if not _is_option(rows[name])}
+    tables: list[NDArray[np.float32] | None] = [None] * info.table_slots
+    for name, row in rows.items():
+        if row.type == "table":
+            tables[row.slot] = _table(row, given[name])
+    floats = {name: value for name, value in given.items() if _is_number(rows[name])}
     dtype = _dtype_of([n, v, l, tangent, *floats.values()])
 
     directions = [_direction("n", n, dtype), _direction("v", v, dtype), _direction("l", l, dtype)]
@@ -319,13 +350,14 @@ def _evaluate(
     for row in shader.parameters:
         if _is_option(row):
             options[row.slot] = _option(shader, row, given.get(row.name, row.default))
+        if not _is_number(row):
             continue
         array = values[row.name] if row.name in values else np.asarray(row.default, dtype)
         for k in range(row.components):
             part = array if row.components == 1 or array.ndim == 0 else array[..., min(k, array.shape[-1] - 1)]
             params[row.slot + k] = column(part)
     evaluate = _relume.evaluate_float if dtype is np.float32 else _relume.evaluate_double
-    flat = evaluate(info, count, columns, params, options)
+    flat = evaluate(info, count, columns, params, options, tables)
     lobes = np.moveaxis(flat.reshape(3, 3, *shape), 1, -1)
     return Evaluation(*(np.ascontiguousarray(lobe) for lobe in lobes))
 

@@ -60,6 +60,8 @@ std::string takes(const Parameter& row) {
         case ParameterType::number_list:
             text = row.count > 0 ? std::to_string(row.count) + " numbers" : "list of numbers";
             break;
+        case ParameterType::table:
+            return "file, or rows of numbers";
     }
     if (!row.unit.empty()) text += ", " + std::string(row.unit);
     if (std::isfinite(row.min) && std::isfinite(row.max))

@@ -110,7 +110,7 @@ TEST(RigMistakes, Types) {
     EXPECT_EQ(in_light("irradiance = [1, 'a', 2]"),
               "light 'key': irradiance cannot be a list of mixed values at key.relume:4:1");
     EXPECT_EQ(in_light("irradiance = [[1, 2, 3]]"),
-              "light 'key': irradiance cannot be a list of lists at key.relume:4:1");
+              "light 'key': irradiance takes a number or 3 numbers [r, g, b], not a list of lists at key.relume:4:1");
     EXPECT_EQ(in_light("irradiance = { r = 1 }"), "light 'key': irradiance cannot be a table at key.relume:4:1");
     EXPECT_EQ(in_light("exposure = 1979-05-27"), "light 'key': exposure cannot be a date at key.relume:4:1");
     EXPECT_EQ(in_light("exposure = 07:32:00"), "light 'key': exposure cannot be a time at key.relume:4:1");

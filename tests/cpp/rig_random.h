@@ -68,6 +68,15 @@ public:
                 return choice(row.choices);
             case ParameterType::text:
                 return text();
+            case ParameterType::table: {
+                if (coin()) return text();
+                LookupTable table{1 + below(4), 1 + below(3), {}};
+                for (int k = 0; k < table.width * table.height; ++k)
+                    table.texels.push_back(std::ldexp(static_cast<float>(number({})), below(200) - 100));
+                for (float& texel : table.texels)
+                    if (!std::isfinite(texel)) texel = 0.1f;
+                return table;
+            }
             case ParameterType::text_list: {
                 std::vector<std::string> list;
                 for (int k = below(4); k > 0; --k) list.push_back(text());

@@ -71,6 +71,8 @@ int main() {
     };
     expect(report_of("toon.relume.so") != nullptr && report_of("toon.relume.so")->loaded, "toon's report");
     refused("old_abi.relume.so", "shader ABI 0");
+    refused("half_old.relume.so", "shader ABI 1");
+    expect(relume::find_shader("half_good") == nullptr, "of a file that is refused nothing is taken");
     refused("no_entry.relume.so", "relume_shader_plugin_v1");
     refused("no_library.relume.so", "no_library.relume.so");
     refused("no_such_folder", "cannot be read");

@@ -126,6 +126,9 @@ def test_rig_check(tmp_path: Path) -> None:
     assert ran.code == 2 and "key.relume:10:1" in ran.err and "'fov'" in ran.err
     path.write_text("version = 1\n")
     assert run_relume("rig", "check", path).code == 2
+    path.write_text(KEY + "[[shader]]\nuse = 'cook_torrance'\ndistribution_table = 'lost.exr'\n")
+    ran = run_relume("rig", "check", path)
+    assert ran.code == 2 and f"distribution_table: {tmp_path / 'lost.exr'}: no such file" in ran.err
 
 
 @pytest.mark.parametrize(

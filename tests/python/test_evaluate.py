@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 import inspect
+from pathlib import Path
 
 import numpy as np
 import pytest
 import relume
+from conftest import write_exr
 from relume import shaders
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -149,3 +151,42 @@ def test_every_shader_evaluates(name: str, dtype: type) -> None:
         assert lobe.dtype == dtype
         assert np.isfinite(lobe).all()
         assert (lobe >= 0).all()
+
+
+def test_a_table_is_an_array_or_a_file(tmp_path: Path) -> None:
+    cook = shaders["cook_torrance"]
+    settings = {"distribution": "texture", "roughness": 0.5, "metallic": 1.0, "fresnel": "none", "base_color": 1.0}
+    v = directions(300, 8)
+    l = v * [-1, -1, 1]  # noqa: E741 - NdotH = 1
+    # One texel: T is 3 everywhere. In the mirror direction the cavity hides nothing: spec_power · F · G · T² = 2 · 9.
+    given = cook.evaluate(n=UP, v=v, l=l, distribution_table=[[3.0]], masking="v_cavity", **settings).specular
+    np.testing.assert_allclose(given, np.full((300, 3), 18.0), rtol=1e-12)
+    table = np.random.default_rng(9).random((4, 8), np.float32)
+    by_array = cook.evaluate(n=UP, v=v, l=v, distribution_table=table, **settings).specular
+    path = tmp_path / "lobe.exr"
+    write_exr(path, {"Y": table})
+    np.testing.assert_array_equal(cook.evaluate(n=UP, v=v, l=v, distribution_table=path, **settings).specular, by_array)
+    built_in = cook.evaluate(n=UP, v=v, l=v, **settings).specular
+    assert np.abs(built_in - by_array).max() > 0.1
+    again = cook.evaluate(n=UP, v=v, l=v, distribution_table=cook.table("distribution_table"), **settings)
+    np.testing.assert_array_equal(again.specular, built_in)
+
+
+def test_tables_that_are_refused(tmp_path: Path) -> None:
+    cook = shaders["cook_torrance"]
+    for value, said in (
+        (np.zeros((2, 3, 3)), "3 dimensions; a table is (height, width)"),
+        (np.zeros((0, 3)), "has no texels"),
+        ([[1.0, np.nan]], "column 1, row 0 is not finite"),
+        (np.zeros((2049, 2048), np.float32), "at most 4194304"),
+        (object(), "distribution_table must be numbers"),
+    ):
+        with pytest.raises(relume.ArgumentError) as caught:
+            cook.evaluate(n=UP, v=UP, l=UP, distribution_table=value)
+        assert "distribution_table" in str(caught.value) and said in str(caught.value)
+    with pytest.raises(relume.FileError, match=r"lost\.exr: no such file"):
+        cook.evaluate(n=UP, v=UP, l=UP, distribution_table=tmp_path / "lost.exr")
+    with pytest.raises(relume.UnknownNameError):
+        cook.table("distribution_tabel")
+    with pytest.raises(relume.ParameterError, match="has no table 'roughness'"):
+        cook.table("roughness")

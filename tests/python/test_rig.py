@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import relume
-from conftest import KEY
+from conftest import KEY, write_exr
 from relume import FromChannel, Rig, light_types
 
 
@@ -242,3 +242,51 @@ def test_representations(rig: Rig) -> None:
     for thing in (rig, rig.light, rig.light["key"], rig.shader, rig.shader[0], rig.output, rig.gbuffer, rig.camera):
         assert repr(thing).startswith("<")
     assert "key (sun)" in repr(rig)
+
+
+def test_a_table_of_numbers_stays_with_the_rig(rig: Rig) -> None:
+    table = np.random.default_rng(1).random((3, 5), np.float32)
+    use = rig.shader.add("cook_torrance", distribution="texture", distribution_table=table)
+    for each in (rig, rig.copy(), pickle.loads(pickle.dumps(rig)), Rig.loads(str(rig))):
+        assert each == rig
+        np.testing.assert_array_equal(each.shader[0].distribution_table, table)
+        assert each.shader[0].distribution_table.dtype == np.float32
+    use.distribution_table = Path("lobes") / "soft.exr"
+    assert use.distribution_table == "lobes/soft.exr"
+    del use.distribution_table
+    assert use.distribution_table == ""
+    with pytest.raises(relume.ParameterError, match="list of lists"):
+        use.distribution_table = np.zeros((2, 2, 3))
+
+
+def test_a_table_lights_from_array_png_and_exr_alike(rig: Rig, tmp_path: Path) -> None:
+    import OpenImageIO as oiio  # noqa: N813
+
+    steps = np.random.default_rng(2).integers(0, 256, (4, 6)).astype(np.uint8)
+    table = steps.astype(np.float32) / np.float32(255)
+    png = oiio.ImageOutput.create(str(tmp_path / "lobe.png"))
+    png.open(str(tmp_path / "lobe.png"), oiio.ImageSpec(6, 4, 1, "uint8"))
+    png.write_image(steps[..., None])
+    png.close()
+    write_exr(tmp_path / "lobe.exr", {"R": table, "G": table, "B": table})
+    normal = np.random.default_rng(3).normal(size=(16, 16, 3)).astype(np.float32)
+    gbuffer = relume.GBuffer(normal=normal)
+    pictures = []
+    for value in (table, tmp_path / "lobe.png", tmp_path / "lobe.exr"):
+        lit = rig.copy()
+        lit.shader.add("cook_torrance", distribution="texture", spec_power=20, distribution_table=value)
+        lit.check_tables()
+        pictures.append(relume.relight(gbuffer, lit)["beauty"])
+    plain = rig.copy()
+    plain.shader.add("cook_torrance", distribution="texture", spec_power=20)
+    assert np.abs(relume.relight(gbuffer, plain)["beauty"] - pictures[0]).max() > 0.01
+    np.testing.assert_allclose(pictures[1], pictures[0], rtol=1e-5, atol=1e-6)
+    np.testing.assert_allclose(pictures[2], pictures[0], rtol=1e-5, atol=1e-6)
+
+
+def test_a_table_that_is_not_there(rig: Rig, tmp_path: Path) -> None:
+    rig.shader.add("cook_torrance", distribution="texture", distribution_table=tmp_path / "lost.png")
+    gbuffer = relume.GBuffer(normal=np.ones((2, 2, 3), np.float32))
+    for act in (rig.check_tables, lambda: relume.relight(gbuffer, rig)):
+        with pytest.raises(relume.FileError, match=r"cook_torrance.*distribution_table: .*lost\.png: no such file"):
+            act()

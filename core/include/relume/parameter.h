@@ -21,6 +21,7 @@ enum class ParameterType : std::uint8_t {
     text,         ///< a string
     text_list,    ///< strings, e.g. Cryptomatte patterns; one string stands for a list of one
     number_list,  ///< numbers, e.g. the attenuation coefficients; `count` of them (0: any number)
+    table,        ///< a picture of numbers to look things up in (relume/lookup_table.h): a file's name; "" is built in
 };
 
 /// How a shader parameter says how wide a highlight is. Where a pixel averages several normals, its highlight is wider
@@ -53,11 +54,17 @@ struct Parameter {
     int count = 0;                           ///< number_list: required length, 0 for any
     bool has_default = true;                 ///< false: absent unless given (a rig key without a default)
     LobeWidth lobe_width = LobeWidth::none;  ///< shaders: what the variance of averaged normals widens
-    /// Shaders: index of the first float of the parameter in Params<float> (scalar, color, vector), or of the int in
-    /// Options (boolean, integer, choice). Other tables: unused.
+    /// Shaders: index of the first float of the parameter in Params<float> (is_number()), of the int in Options
+    /// (is_option()), or of the view in Tables (table). Elsewhere unused.
     int slot = -1;
 
     constexpr int components() const { return type == ParameterType::color || type == ParameterType::vector ? 3 : 1; }
+    /// Shaders: may differ from pixel to pixel, and come from a channel.
+    constexpr bool is_number() const { return type == ParameterType::scalar || components() == 3; }
+    /// Shaders: one whole number for all pixels.
+    constexpr bool is_option() const {
+        return type == ParameterType::boolean || type == ParameterType::integer || type == ParameterType::choice;
+    }
 };
 
 }  // namespace relume

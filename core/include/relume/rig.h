@@ -14,6 +14,7 @@
 
 #include "relume/export.h"
 #include "relume/gbuffer.h"
+#include "relume/lookup_table.h"
 #include "relume/parameter.h"
 
 namespace relume {
@@ -27,9 +28,10 @@ struct ChannelRef {
 };
 
 /// What a key holds. ParameterValues keeps one form per row type: scalar double, integer int64, color and vector three
-/// doubles (a single number given for a color is grey), choice and text a string, lists as vectors.
+/// doubles (a single number given for a color is grey), choice and text a string, lists as vectors, table a file's name
+/// or its numbers.
 using Value = std::variant<bool, std::int64_t, double, std::array<double, 3>, std::string, std::vector<std::string>,
-                           std::vector<double>, ChannelRef>;
+                           std::vector<double>, ChannelRef, LookupTable>;
 
 /// Values for the rows of a parameter table: only what was given is stored, the rest is the table's default.
 class RELUME_API ParameterValues {

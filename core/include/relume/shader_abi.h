@@ -28,7 +28,7 @@ struct DirectLight {
     /// Per lobe (diffuse, specular, transmission): irradiance W/m² of a sun, intensity W/sr of a point or spot, times
     /// colour, exposure and the light's multiplier for that lobe.
     float color[3][3];
-    const float* mask;  ///< light linking: factor per pixel of the tile; nullptr is 1
+    const float* mask;  ///< light linking: factor per pixel of the tile, finite; nullptr is 1
 };
 
 /// A light without a direction: irradiance(n) = mix(low, high, w), w = ½ + ½·n·axis or max(0, n·axis). Reaches the
@@ -40,6 +40,16 @@ struct AmbientLight {
     float high[3];
     const float* mask;
 };
+
+/// A parameter of type table: width·height finite numbers, row 0 first. Sampled by relume/shading/table.h.
+struct TableView {
+    const float* texels;
+    std::int32_t width;
+    std::int32_t height;
+};
+
+/// Texels of a table at most: float counts them exactly.
+inline constexpr std::int64_t kMostTexels = std::int64_t{1} << 22;
 
 /// Views of a tile: `count` pixels of one row in structure-of-arrays form. A null plane means what its comment says.
 struct ShaderTile {
@@ -57,6 +67,7 @@ struct ShaderTile {
     const float* const* slots;  ///< per float of Params: a plane, or null for constants[slot]
     const float* constants;
     const std::int32_t* options;
+    const TableView* tables;  ///< one per table slot; null where the shader has none
 
     const DirectLight* lights;
     std::int32_t light_count;
@@ -79,6 +90,7 @@ template <class T> struct ShaderEvaluation {
     std::int64_t count;
     const T* const* params;
     const std::int32_t* options;
+    const TableView* tables;
     const T* n[3];
     const T* v[3];
     const T* l[3];
@@ -106,15 +118,18 @@ struct ShaderAbi {
     std::uint32_t parameter_size;  ///< sizeof(Parameter)
     std::int32_t float_slots;
     std::int32_t option_slots;
+    std::int32_t table_slots;
     std::int32_t needs_tangent;
     std::int32_t kernel_count;
     const ShaderKernel* kernels;  ///< the scalar reference first, then by rising ISA
     void (*evaluate_float)(const ShaderEvaluation<float>*);
     void (*evaluate_double)(const ShaderEvaluation<double>*);
+    /// The built-in table of a slot at (u, v) in [0, 1]²; null where the shader has no tables.
+    double (*default_table)(std::int32_t slot, double u, double v);
 };
 
 /// What a plugin file exports, under the name kShaderPluginSymbol: its shaders, `count` set.
 using ShaderPluginFunction = const ShaderAbi* const* (*)(std::int32_t* count);
-inline constexpr const char* kShaderPluginSymbol = "relume_shader_plugin_v1";
+inline constexpr const char* kShaderPluginSymbol = "relume_shader_plugin_v1";  // for all versions of the ABI
 
 }  // namespace relume

@@ -21,8 +21,15 @@ def command() -> None:
 )
 def check(path: str, settings: tuple[str, ...], as_toml: bool) -> None:
     """Read the rig FILE and say what it holds; exit code 2 and the place of the first mistake if there is one."""
+    from relume.cli.report import one_line
+    from relume.errors import Error
+
     rig = load_rig(path, settings)
     aovs = rig.aovs  # an AOV that names no light is a mistake too
+    try:
+        rig.check_tables()
+    except Error as error:
+        raise RigFailure(f"{path}: {one_line(error)}") from None
     if as_toml:
         click.echo(str(rig), nl=False)
         return

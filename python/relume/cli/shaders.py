@@ -98,6 +98,6 @@ def show_entry(title: str, text: str, parameters: Iterable[Parameter]) -> None:
         table.add_column(heading, overflow="fold", no_wrap=heading in ("parameter", "default"))
     for row in parameters:
         kind = " | ".join(row.choices) if row.choices else row.type
-        limits = "" if row.type in ("boolean", "choice") else range_text(row)
+        limits = "" if row.type in ("boolean", "choice", "table") else range_text(row)
         table.add_row(*(escape(cell) for cell in (row.name, kind, default_text(row), limits, row.help)))
     out.print(table)

@@ -159,7 +159,7 @@ TEST(Principled, ExactlyElevenParametersAndTheirDefaults) {
     Model fresh("principled");
     EXPECT_EQ(fresh.params(), defaults.model().params());
     int numbers = 0;
-    for (const Parameter& p : fresh.info().parameters) numbers += p.name != "emission" && !is_option(p);
+    for (const Parameter& p : fresh.info().parameters) numbers += p.name != "emission" && !p.is_option();
     EXPECT_EQ(numbers, 11);
 }
 

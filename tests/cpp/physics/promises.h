@@ -34,6 +34,8 @@ inline Reciprocity reciprocity(const Model& m) {
     const std::string_view name = m.info().name;
     if (name == "phong" || name == "blinn_phong" || name == "gaussian" || name == "beckmann")
         return plain(m) ? Reciprocity::never : Reciprocity::promised;
+    if (name == "cook_torrance" && m.options()[static_cast<std::size_t>(m.parameter("distribution").slot)] == 4)
+        return Reciprocity::never;  // texture
     const auto found = kAlways.find(name);
     return found == kAlways.end() ? Reciprocity::unspecified : found->second;
 }

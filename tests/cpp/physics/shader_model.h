@@ -48,10 +48,6 @@ struct Answer {
     V3 total() const { return diffuse + specular + transmission; }
 };
 
-inline bool is_option(const Parameter& p) {
-    return p.type == ParameterType::boolean || p.type == ParameterType::integer || p.type == ParameterType::choice;
-}
-
 inline std::vector<std::string> choices_of(const Parameter& p) {
     std::vector<std::string> names{""};
     for (const char c : p.choices) {
@@ -65,13 +61,19 @@ class Model {
 public:
     explicit Model(std::string_view name) : Model(require_shader(name)) {}
     explicit Model(const ShaderInfo& info)
-        : info_(&info), params_(default_params(info)), options_(default_options(info)) {}
+        : info_(&info), params_(default_params(info)), options_(default_options(info)), tables_(default_tables(info)) {}
 
     const ShaderInfo& info() const { return *info_; }
     std::vector<double>& params() { return params_; }
     const std::vector<double>& params() const { return params_; }
     std::vector<std::int32_t>& options() { return options_; }
     const std::vector<std::int32_t>& options() const { return options_; }
+    Model& set_options(const std::vector<std::int32_t>& options) {
+        options_ = options;
+        return *this;
+    }
+    /// Views of what the caller keeps.
+    std::vector<TableView>& tables() { return tables_; }
 
     bool has(std::string_view name) const {
         return std::any_of(info_->parameters.begin(), info_->parameters.end(),
@@ -86,7 +88,7 @@ public:
     Model& set(std::string_view name, double value) {
         const Parameter& p = parameter(name);
         const auto slot = static_cast<std::size_t>(p.slot);
-        if (is_option(p)) options_[slot] = static_cast<std::int32_t>(value);
+        if (p.is_option()) options_[slot] = static_cast<std::int32_t>(value);
         else std::fill_n(params_.begin() + p.slot, p.components(), value);
         return *this;
     }
@@ -117,6 +119,7 @@ public:
         e.count = static_cast<std::int64_t>(count);
         e.params = params.data();
         e.options = options_.data();
+        e.tables = tables_.data();
         T* outputs[9];
         for (std::size_t k = 0; k < 3; ++k) {
             const auto vectors = [&](const std::vector<V3>& from) {
@@ -153,11 +156,12 @@ public:
         const auto uniform = [&] { return std::uniform_real_distribution<double>(0, 1)(random); };
         for (const Parameter& p : info_->parameters) {
             if (p.name == "emission" || p.name == "ambient") continue;
-            if (is_option(p)) {
+            if (p.is_option()) {
                 const int count = p.type == ParameterType::boolean ? 2 : static_cast<int>(choices_of(p).size());
                 options_[static_cast<std::size_t>(p.slot)] = std::uniform_int_distribution<int>(0, count - 1)(random);
                 continue;
             }
+            if (!p.is_number()) continue;
             const double low = std::isfinite(p.min) ? p.min : p.soft_min;
             const double high = std::isfinite(p.max) ? p.max : std::max(p.soft_max, low);
             const double end = uniform();
@@ -173,7 +177,8 @@ public:
         std::string text(info_->name);
         for (const Parameter& p : info_->parameters) {
             text += ' ' + std::string(p.name) + '=';
-            if (is_option(p)) text += std::to_string(options_[static_cast<std::size_t>(p.slot)]);
+            if (p.type == ParameterType::table) text += "…";
+            else if (p.is_option()) text += std::to_string(options_[static_cast<std::size_t>(p.slot)]);
             else
                 for (int k = 0; k < p.components(); ++k)
                     text += (k > 0 ? "," : "") + std::to_string(params_[static_cast<std::size_t>(p.slot + k)]);
@@ -185,6 +190,7 @@ private:
     const ShaderInfo* info_;
     std::vector<double> params_;
     std::vector<std::int32_t> options_;
+    std::vector<TableView> tables_;
 };
 
 /// Width in the half angle, radians, of a model's narrowest lobe: what a quadrature or an error bound has to resolve.

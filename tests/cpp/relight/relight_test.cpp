@@ -340,6 +340,10 @@ TEST(Relight, SaysWhatIsWrong) {
     rig.set("output.aovs", "[\"light:kye\"]");
     EXPECT_NE(message(rig, gbuffer).find("did you mean 'light:key'"), std::string::npos);
 
+    rig = Rig::loads(kLights);
+    rig.set("light.key.exposure", "200");
+    EXPECT_EQ(message(rig, gbuffer), "light 'key': is brighter than single precision holds; lower its exposure");
+
     MemoryFrame no_normal(4, 4);
     no_normal.channels.erase("normal");
     EXPECT_THROW(no_normal.gbuffer(), Error);

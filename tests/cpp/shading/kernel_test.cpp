@@ -133,6 +133,41 @@ TEST_P(Kernels, NonfiniteInputIsCountedAndBlack) {
     }
 }
 
+// Finite inputs whose product is not.
+TEST_P(Kernels, AmbientLightThatOverflowsIsCountedAndBlack) {
+    if (std::none_of(shader().parameters.begin(), shader().parameters.end(),
+                     [](const Parameter& p) { return p.name == "base_color"; }))
+        return;
+    const Model model = Model(shader()).set("base_color", 1e38);
+    std::vector<float> constants;
+    for (const double x : model.params()) constants.push_back(static_cast<float>(x));
+    std::vector<const float*> slots(constants.size(), nullptr);
+    const std::vector<TableView> tables = default_tables(shader());
+    AmbientLight light{};
+    for (std::size_t k = 0; k < 3; ++k) light.low[k] = light.high[k] = 100;
+    const float zero = 0, one = 1;
+    for (const ShaderKernel& kernel : kernels()) {
+        float out[3] = {-1, -1, -1};
+        ShaderTile tile{};
+        tile.size = sizeof tile;
+        tile.count = 1;
+        tile.normal[0] = tile.normal[1] = &zero;
+        tile.normal[2] = &one;
+        tile.constant_view = 1;
+        tile.eye[2] = 1;
+        tile.slots = slots.data();
+        tile.constants = constants.data();
+        tile.options = model.options().data();
+        tile.tables = tables.data();
+        tile.ambients = &light;
+        tile.ambient_count = 1;
+        for (std::size_t k = 0; k < 3; ++k) tile.total[k] = &out[k];
+        kernel.shade(&tile);
+        EXPECT_EQ(tile.nonfinite, 1) << kernel.isa;
+        for (const float x : out) EXPECT_EQ(x, 0) << kernel.isa;
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(Shaders, Kernels, ::testing::ValuesIn(names()), [](const auto& test) { return test.param; });
 
 }  // namespace

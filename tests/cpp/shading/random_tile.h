@@ -27,11 +27,18 @@ public:
         options_ = model.options();
         fill_surface();
         fill_parameters(model);
+        fill_tables();
         fill_lights();
         weight_ = maybe(0.3) ? std::optional(plane([&] { return uniform(); })) : std::nullopt;
         accumulate_ = maybe(0.3);
         emission_ = maybe(0.5);
         for (Plane& p : before_) p = plane([&] { return uniform(); });
+    }
+
+    /// Takes a choice of the shader's instead of the random one.
+    RandomTile& choose(std::string_view name, std::string_view choice) {
+        options_ = Model(*info_).set_options(options_).choose(name, choice).options();
+        return *this;
     }
 
     int count() const { return count_; }
@@ -64,6 +71,7 @@ public:
         tile.slots = slots.data();
         tile.constants = constants_.data();
         tile.options = options_.data();
+        tile.tables = tables_.data();
         std::vector<DirectLight> lights = lights_;
         std::vector<AmbientLight> ambients = ambients_;
         for (std::size_t k = 0; k < lights.size(); ++k) lights[k].mask = at(masks_[k]);
@@ -179,7 +187,7 @@ private:
         slots_.resize(static_cast<std::size_t>(info_->abi->float_slots));
         constants_.resize(slots_.size() + 1);
         for (const Parameter& p : info_->parameters) {
-            if (is_option(p)) continue;
+            if (!p.is_number()) continue;
             const bool as_plane = maybe(0.6);
             for (int k = 0; k < p.components(); ++k) {
                 const auto slot = static_cast<std::size_t>(p.slot + k);
@@ -196,6 +204,16 @@ private:
                     }
                 }
             }
+        }
+    }
+
+    /// Of any size, a single texel too.
+    void fill_tables() {
+        texels_.resize(static_cast<std::size_t>(info_->abi->table_slots));
+        for (std::vector<float>& texels : texels_) {
+            const int width = 1 + static_cast<int>(random_() % 9), height = 1 + static_cast<int>(random_() % 5);
+            for (int k = 0; k < width * height; ++k) texels.push_back(uniform());
+            tables_.push_back({texels.data(), width, height});
         }
     }
 
@@ -254,6 +272,8 @@ private:
     std::vector<Plane> slots_;
     std::vector<float> constants_;
     std::vector<std::int32_t> options_;
+    std::vector<std::vector<float>> texels_;
+    std::vector<TableView> tables_;
     std::vector<DirectLight> lights_;
     std::vector<AmbientLight> ambients_;
     std::vector<Plane> masks_;

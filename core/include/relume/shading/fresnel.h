@@ -9,20 +9,24 @@ namespace relume {
 
 /// Unpolarised reflectance at cosine x ≥ 0 between the direction and the (half) normal:
 /// F = ½·((g−x)/(g+x))²·(1 + ((x(g+x)−1)/(x(g−x)+1))²), g² = eta² − 1 + x² (Cook–Torrance 1982, eq. for F; Walter 2007,
-/// eq. 22).
+/// eq. 22). With g − x = (eta² − 1)/(g + x), and eta² − 1 as a product, nothing cancels near eta 1 or grazing, where
+/// the formula as it stands gave all for nothing.
 template <class T> RELUME_INLINE T dielectric_fresnel(T cosine, T eta) {
     const T one(1.f);
-    const T g = safe_sqrt(fma(eta, eta, fma(cosine, cosine, -one)));
-    const T sum = g + cosine, difference = g - cosine;
-    const T a = difference * rcp(sum);
+    const T excess = max((eta - one) * (eta + one), T(0.f));
+    const T g = sqrt(fma(cosine, cosine, max(excess, constant<T>(1e-24))));
+    const T sum = g + cosine, inv_sum = rcp(sum);
+    const T difference = excess * inv_sum;
+    const T a = difference * inv_sum;
     const T b = fma(cosine, sum, -one) * rcp(fma(cosine, difference, one));
     return constant<T>(0.5) * a * a * fma(b, b, one);
 }
 
-/// eta of a dielectric from its reflectance at normal incidence, F0 = ((eta−1)/(eta+1))² solved; F0 at most 0.99.
+/// eta of a dielectric from its reflectance at normal incidence, F0 = ((eta−1)/(eta+1))² solved; F0 at most 0.99. 1 at
+/// F0 = 0, whatever the reciprocal's last bit.
 template <class T> RELUME_INLINE T eta_from_f0(T f0) {
     const T root = safe_sqrt(min(f0, constant<T>(0.99)));
-    return (T(1.f) + root) * rcp(T(1.f) - root);
+    return max((T(1.f) + root) * rcp(T(1.f) - root), T(1.f));
 }
 
 /// The rise of the exact dielectric law from normal incidence (0) to grazing (1), which takes the place of Schlick's

@@ -50,18 +50,30 @@ inline constexpr int kOptionSlots = std::is_empty_v<typename S::Options>
                                         ? 0
                                         : static_cast<int>(sizeof(typename S::Options) / sizeof(std::int32_t));
 
+/// A model that looks things up has a struct Tables of TableViews, which its prepare() takes after the options.
+struct NoTables {};
+template <class S> struct TablesOf { using Type = NoTables; };
+template <class S>
+requires requires { typename S::Tables; }
+struct TablesOf<S> {
+    using Type = typename S::Tables;
+};
+template <class S> using Tables = typename TablesOf<S>::Type;
+template <class S>
+inline constexpr int kTableSlots = std::is_empty_v<Tables<S>> ? 0
+                                                              : static_cast<int>(sizeof(Tables<S>) / sizeof(TableView));
+
 /// Each parameter's slot lies in its struct, none overlap, and all are named: checked where the model is registered.
 template <class S> constexpr bool table_matches_params() {
     bool floats[kFloatSlots<S> + 1] = {};
     bool options[kOptionSlots<S> + 1] = {};
+    bool tables[kTableSlots<S> + 1] = {};
     for (const Parameter& p : S::parameters) {
-        const bool is_option =
-            p.type == ParameterType::boolean || p.type == ParameterType::integer || p.type == ParameterType::choice;
-        const int n = is_option ? 1 : p.components();
-        const int limit = is_option ? kOptionSlots<S> : kFloatSlots<S>;
-        for (int k = 0; k < n; ++k) {
+        if (!p.is_number() && !p.is_option() && p.type != ParameterType::table) return false;
+        const int limit = p.is_number() ? kFloatSlots<S> : p.is_option() ? kOptionSlots<S> : kTableSlots<S>;
+        for (int k = 0; k < p.components(); ++k) {
             if (p.slot < 0 || p.slot + k >= limit) return false;
-            bool& seen = (is_option ? options : floats)[p.slot + k];
+            bool& seen = (p.is_number() ? floats : p.is_option() ? options : tables)[p.slot + k];
             if (seen) return false;
             seen = true;
         }
@@ -70,12 +82,15 @@ template <class S> constexpr bool table_matches_params() {
         if (!floats[k]) return false;
     for (int k = 0; k < kOptionSlots<S>; ++k)
         if (!options[k]) return false;
+    for (int k = 0; k < kTableSlots<S>; ++k)
+        if (!tables[k]) return false;
     return true;
 }
 
-/// slot of a Params or Options member, for the parameter table.
+/// slot of a Params, Options or Tables member, for the parameter table.
 #define RELUME_SLOT(member) static_cast<int>(offsetof(Params<float>, member) / sizeof(float))
 #define RELUME_OPTION(member) static_cast<int>(offsetof(Options, member) / sizeof(std::int32_t))
+#define RELUME_TABLE(member) static_cast<int>(offsetof(Tables, member) / sizeof(TableView))
 
 /// f(std::integral_constant<int, 0>) … f(<N − 1>), unrolled before the optimiser splits arrays into registers, which a
 /// loop is not.
@@ -143,6 +158,20 @@ RELUME_INLINE void load_params(typename S::template Params<T>& params, const Slo
     T* slots = reinterpret_cast<T*>(&params);
     static_for<kFloatSlots<S>>([&](auto k)
                                    RELUME_INLINE_LAMBDA { slots[k] = load<T>(from.base[k] + (i & from.mask[k])); });
+}
+
+/// The model's uniform values, copied out of the tile or the evaluation.
+template <class S, class From>
+RELUME_INLINE void load_uniforms(const From& from, typename S::Options& options, Tables<S>& tables) {
+    if constexpr (kOptionSlots<S> != 0) std::memcpy(&options, from.options, sizeof options);
+    if constexpr (kTableSlots<S> != 0) std::memcpy(&tables, from.tables, sizeof tables);
+}
+
+template <class S, class T>
+RELUME_INLINE auto prepare(const typename S::template Params<T>& params, const typename S::Options& options,
+                           [[maybe_unused]] const Tables<S>& tables, const Geometry<T>& g) {
+    if constexpr (kTableSlots<S> != 0) return S::prepare(params, options, tables, g);
+    else return S::prepare(params, options, g);
 }
 
 /// The sum of a pixel's parameters, on two chains: one would be as long as the shading.
@@ -223,7 +252,8 @@ RELUME_INLINE void put3(float* const (&planes)[3], int i, Color<T> value, const 
 /// Pixels [i, i + kWidth) of the tile. Returns how many of the first `lanes` read NaN or infinity.
 template <class S, class T, bool kIsotropic>
 RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& sources,
-                              const typename S::Options& options, int i, int mask_offset, int lanes) {
+                              const typename S::Options& options, const Tables<S>& tables, int i, int mask_offset,
+                              int lanes) {
     const T zero(0.f), one(1.f);
     prefetch_inputs<S, T>(tile, sources, i);
     Geometry<T> g;
@@ -262,7 +292,7 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& s
 
     typename S::template Params<T> params;
     load_params<S, T>(params, sources, i);
-    const auto prepared = S::prepare(params, options, g);
+    const auto prepared = prepare<S, T>(params, options, tables, g);
 
     constexpr bool kSum = HasTerms<S> && term_count<S>() <= kMaxSummedTerms;
     constexpr int kSums = kSum ? term_count<S>() : 3;
@@ -299,17 +329,35 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& s
     typename S::template Params<T> params_after;
     load_params<S, T>(params_after, sources, opaque(i));
     poison = poison + sum_of<S, T>(params_after);
-    const auto after = S::prepare(params_after, options, g);
+    const auto after = prepare<S, T>(params_after, options, tables, g);
 
     Color<T> lobes[3] = {splat(zero), splat(zero), splat(zero)};
     if constexpr (kSum) {
         static_for<kSums>([&](auto k) RELUME_INLINE_LAMBDA {
             Color<T>& lobe = lobes[static_cast<int>(S::terms[k])];
-            lobe = add(lobe, mul(after.color[k], sums[k]));
+            // By name: of two products under a sum the compiler chooses one to fuse, and not always the same.
+            const Color<T>&color = after.color[k], &sum = sums[k];
+            lobe = {fma(color.x, sum.x, lobe.x), fma(color.y, sum.y, lobe.y), fma(color.z, sum.z, lobe.z)};
         });
     } else {
         static_for<3>([&](auto k) RELUME_INLINE_LAMBDA { lobes[k] = sums[k]; });
     }
+    Color<T> reflected = splat(zero);  // of lights without a direction
+    if (tile.ambient_count > 0) {
+        Color<T> irradiance = splat(zero);
+        for (const AmbientLight* light = tile.ambients; light != tile.ambients + tile.ambient_count; ++light) {
+            const Vec3<T> axis{T(light->axis[0]), T(light->axis[1]), T(light->axis[2])};
+            const T c = dot(g.n, axis);
+            const T w = light->clamp ? max(c, zero) : fma(c, constant<T>(0.5), constant<T>(0.5));
+            const T m = light->mask != nullptr ? load_partial<T>(light->mask + mask_offset, lanes) : one;
+            irradiance.x = fma(m, lerp(T(light->low[0]), T(light->high[0]), w), irradiance.x);
+            irradiance.y = fma(m, lerp(T(light->low[1]), T(light->high[1]), w), irradiance.y);
+            irradiance.z = fma(m, lerp(T(light->low[2]), T(light->high[2]), w), irradiance.z);
+        }
+        reflected = scale(mul(after.ambient, irradiance), g.ambient_occlusion);
+        poison = poison + (reflected.x + reflected.y + reflected.z);
+    }
+
     // Catches what overflowed on the way as well. Selects, not products: an invalid lane may hold NaN.
     Color<T> sum = after.emission;
     static_for<3>([&](auto k) RELUME_INLINE_LAMBDA {
@@ -324,20 +372,7 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& s
         if constexpr (has_lobe<S>(static_cast<Lobe>(int(k)))) lobes[k] = select(lit, lobes[k], splat(zero));
     });
 
-    if (tile.ambient_count > 0) {
-        Color<T> irradiance = splat(zero);
-        for (const AmbientLight* light = tile.ambients; light != tile.ambients + tile.ambient_count; ++light) {
-            const Vec3<T> axis{T(light->axis[0]), T(light->axis[1]), T(light->axis[2])};
-            const T c = dot(g.n, axis);
-            const T w = light->clamp ? max(c, zero) : fma(c, constant<T>(0.5), constant<T>(0.5));
-            const T m = light->mask != nullptr ? load_partial<T>(light->mask + mask_offset, lanes) : one;
-            irradiance.x = fma(m, lerp(T(light->low[0]), T(light->high[0]), w), irradiance.x);
-            irradiance.y = fma(m, lerp(T(light->low[1]), T(light->high[1]), w), irradiance.y);
-            irradiance.z = fma(m, lerp(T(light->low[2]), T(light->high[2]), w), irradiance.z);
-        }
-        const Color<T> reflected = scale(mul(after.ambient, irradiance), g.ambient_occlusion);
-        lobes[0] = add(lobes[0], select(valid, reflected, splat(zero)));
-    }
+    if (tile.ambient_count > 0) lobes[0] = add(lobes[0], select(valid, reflected, splat(zero)));
 
     T weight_value = one;
     const T* weight = nullptr;
@@ -387,7 +422,8 @@ template <class T> struct Tail {
 template <class S, class T> __attribute__((flatten)) static void shade_tile_with(ShaderTile* tile) {
     static_assert(kFloatSlots<S> <= 64, "Tail has room for 64 slots");
     typename S::Options options;
-    if constexpr (kOptionSlots < S >> 0) std::memcpy(&options, tile->options, sizeof options);
+    Tables<S> tables;
+    load_uniforms<S>(*tile, options, tables);
     const int whole = tile->count / kWidth<T> * kWidth<T>;
     const int rest = tile->count - whole;
     // A model with anisotropy names its slot, and has a kernel without it for where it is 0 all over.
@@ -422,7 +458,7 @@ template <class S, class T> __attribute__((flatten)) static void shade_tile_with
         const int offset = pass == 0 ? 0 : whole;
         const auto shade = [&](auto without_anisotropy) RELUME_INLINE_LAMBDA {
             for (int i = begin; i < end; i += kWidth<T>)
-                nonfinite += shade_batch<S, T, without_anisotropy>(work, sources, options, i, offset + i,
+                nonfinite += shade_batch<S, T, without_anisotropy>(work, sources, options, tables, i, offset + i,
                                                                    pass == 0 ? kWidth<T> : rest);
         };
         if constexpr (requires { S::anisotropy_slot; }) {
@@ -463,7 +499,8 @@ template <class S, class T> static void shade_tile(ShaderTile* tile) {
 /// f·NdotL on arrays, by the same code.
 template <class S, class T> static void evaluate_arrays(const ShaderEvaluation<T>* e) {
     typename S::Options options;
-    if constexpr (kOptionSlots < S >> 0) std::memcpy(&options, e->options, sizeof options);
+    Tables<S> tables;
+    load_uniforms<S>(*e, options, tables);
     for (std::int64_t i = 0; i < e->count; ++i) {
         typename S::template Params<T> params;
         T* slots = reinterpret_cast<T*>(&params);
@@ -482,7 +519,7 @@ template <class S, class T> static void evaluate_arrays(const ShaderEvaluation<T
         s.n_dot_l = dot(g.n, s.l);
         s.v_dot_l = dot(g.v, s.l);
         s.arriving = T(1);
-        const auto prepared = S::prepare(params, options, g);
+        const auto prepared = prepare<S, T>(params, options, tables, g);
         Lobes<T> f = evaluate_lobes<S, T>(prepared, options, g, s);
         const bool lit = S::lit_from_below || (s.n_dot_l > 0 && n_dot_v > 0);
         Color<T>* lobes[3] = {&f.diffuse, &f.specular, &f.transmission};

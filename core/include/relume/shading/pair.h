@@ -63,6 +63,7 @@ RELUME_PAIR_UNARY(abs)
 RELUME_PAIR_UNARY(sqrt)
 RELUME_PAIR_UNARY(rcp)
 RELUME_PAIR_UNARY(rsqrt)
+RELUME_PAIR_UNARY(floor)
 RELUME_PAIR_UNARY(exp)
 RELUME_PAIR_UNARY(exp2)
 RELUME_PAIR_UNARY(log)
@@ -101,6 +102,9 @@ concept IsPair = std::is_same_v<T, Pair<decltype(T::a)>>;
 template <IsPair T> RELUME_INLINE T load(const float* p) {
     using B = decltype(T::a);
     return {load<B>(p), load<B>(p + kWidth<B>)};
+}
+template <class B> RELUME_INLINE Pair<B> gather(const float* p, const Pair<B>& index) {
+    return {gather(p, index.a), gather(p, index.b)};
 }
 template <class B> RELUME_INLINE void store(float* p, const Pair<B>& x) {
     store(p, x.a);

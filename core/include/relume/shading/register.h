@@ -40,6 +40,11 @@
 
 namespace relume {
 
+template <class S> constexpr auto default_table_of() -> double (*)(std::int32_t, double, double) {
+    if constexpr (kTableSlots<S> != 0) return &S::default_table;
+    else return nullptr;
+}
+
 template <class S> constexpr ShaderAbi make_shader_abi(const ShaderKernel* kernels, std::int32_t kernel_count) {
     static_assert(table_matches_params<S>(), "the parameter table and Params/Options do not match");
     static_assert(std::is_standard_layout_v<typename S::template Params<float>>, "Params may hold T and Vec3<T> alone");
@@ -53,11 +58,13 @@ template <class S> constexpr ShaderAbi make_shader_abi(const ShaderKernel* kerne
             sizeof(Parameter),
             kFloatSlots<S>,
             kOptionSlots<S>,
+            kTableSlots<S>,
             S::needs_tangent ? 1 : 0,
             kernel_count,
             kernels,
             &evaluate_arrays<S, float>,
-            &evaluate_arrays<S, double>};
+            &evaluate_arrays<S, double>,
+            default_table_of<S>()};
 }
 
 }  // namespace relume

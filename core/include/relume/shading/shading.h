@@ -54,8 +54,9 @@ template <class T> struct LightSample {
 /// Lower bound of NdotL and NdotV in denominators.
 inline constexpr double kMinCosine = 1e-4;
 
-/// The half vector's cosines. Both come from q = |h − n|² = 2 − 2·NdotH, since 1 − NdotH² cancels: at alpha 0.001 that
-/// is 121 % off in float, this 0.1 %.
+/// The half vector's cosines. NdotH and sin²θh come from q = |h − n|² = 2 − 2·NdotH, since 1 − NdotH² cancels: at alpha
+/// 0.001 that is 121 % off in float, this 0.1 %. VdotH is |v + l|/2, which is 1e-7/|v + l| off: so far from unit length
+/// float's directions are.
 template <class T> struct HalfVector {
     T q;        ///< |h − n|²
     T v_dot_h;  ///< = LdotH; in [0, 1] up to rounding
@@ -68,7 +69,7 @@ template <class T> struct HalfVector {
 
 template <class T> RELUME_INLINE HalfVector<T> half_vector(const Geometry<T>& g, const LightSample<T>& s) {
     HalfVector<T> h;
-    // |v + l|², which 2 + 2·v·l would lose where l is near −v.
+    // |v + l|², which 2 + 2·v·l would lose where l is near −v. Where they are opposite there is no h: it becomes 0.
     const Vec3<T> sum = add(g.v, s.l);
     const T length2 = fma(sum.x, sum.x, fma(sum.y, sum.y, fma(sum.z, sum.z, constant<T>(1e-16))));
     const T half = constant<T>(0.5) * length2;

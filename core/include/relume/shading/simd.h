@@ -2,8 +2,9 @@
 #pragma once
 
 // The number type T of shading code and everything that may be done with it. T is float (the reference), double (tests
-// and fitting) or an xsimd batch of floats, one pixel a lane. Shading code is written once against this header; nothing
-// else in relume names an intrinsic. Straight-line code: comparisons give masks, select() chooses.
+// and fitting), an xsimd batch of floats or a pair of them (pair.h), one pixel a lane. Shading code is written once
+// against this header; nothing else in relume names an intrinsic. Straight-line code: comparisons give masks, select()
+// chooses.
 
 #include <cmath>
 #include <cstdint>
@@ -49,6 +50,7 @@ template <Scalar T> RELUME_INLINE T rcp(T x) { return T(1) / x; }
 template <Scalar T> RELUME_INLINE T rsqrt(T x) { return T(1) / std::sqrt(x); }
 /// 1/√x for who has x/2 as well: one operation less in a batch.
 template <Scalar T> RELUME_INLINE T rsqrt(T x, T) { return T(1) / std::sqrt(x); }
+template <Scalar T> RELUME_INLINE T floor(T x) { return std::floor(x); }
 template <Scalar T> RELUME_INLINE T exp(T x) { return std::exp(x); }
 template <Scalar T> RELUME_INLINE T exp2(T x) { return std::exp2(x); }
 template <Scalar T> RELUME_INLINE T log(T x) { return std::log(x); }
@@ -67,6 +69,9 @@ template <Scalar T> RELUME_INLINE bool is_nan(T x) { return x != x; }
 /// kWidth<T> values from contiguous memory, of any alignment.
 template <Scalar T> RELUME_INLINE T load(const float* p) { return T(*p); }
 template <Scalar T> RELUME_INLINE void store(float* p, T x) { *p = static_cast<float>(x); }
+
+/// p[index], for an index ≥ 0 that is a whole number below 2²⁴.
+template <Scalar T> RELUME_INLINE T gather(const float* p, T index) { return T(p[static_cast<std::int32_t>(index)]); }
 
 /// Past the cache; p is aligned to a batch.
 template <Scalar T> RELUME_INLINE void store_streaming(float* p, T x) { store(p, x); }
@@ -98,6 +103,7 @@ template <class A> RELUME_INLINE Batch<A> min(Batch<A> a, Batch<A> b) { return x
 template <class A> RELUME_INLINE Batch<A> max(Batch<A> a, Batch<A> b) { return xsimd::max(a, b); }
 template <class A> RELUME_INLINE Batch<A> abs(Batch<A> x) { return xsimd::abs(x); }
 template <class A> RELUME_INLINE Batch<A> sqrt(Batch<A> x) { return xsimd::sqrt(x); }
+template <class A> RELUME_INLINE Batch<A> floor(Batch<A> x) { return xsimd::floor(x); }
 template <class A> RELUME_INLINE Batch<A> exp(Batch<A> x) { return xsimd::exp(x); }
 template <class A> RELUME_INLINE Batch<A> exp2(Batch<A> x) { return xsimd::exp2(x); }
 template <class A> RELUME_INLINE Batch<A> log(Batch<A> x) { return xsimd::log(x); }
@@ -224,6 +230,26 @@ concept IsBatch = xsimd::is_batch<T>::value;
 template <IsBatch T> RELUME_INLINE T load(const float* p) { return T::load_unaligned(p); }
 
 template <class A> RELUME_INLINE void store(float* p, Batch<A> x) { x.store_unaligned(p); }
+
+#  if defined(__AVX2__)
+namespace native {
+RELUME_INLINE __m256 gather(const float* p, __m256 i) { return _mm256_i32gather_ps(p, _mm256_cvttps_epi32(i), 4); }
+#    if defined(__AVX512F__)
+RELUME_INLINE __m512 gather(const float* p, __m512 i) { return _mm512_i32gather_ps(_mm512_cvttps_epi32(i), p, 4); }
+#    endif
+}  // namespace native
+#  endif
+
+template <class A> RELUME_INLINE Batch<A> gather(const float* p, Batch<A> index) {
+#  if defined(__AVX2__)
+    return Batch<A>(native::gather(p, typename Batch<A>::register_type(index)));
+#  else
+    alignas(64) float lanes[kWidth<Batch<A>>];
+    index.store_aligned(lanes);
+    for (float& lane : lanes) lane = p[static_cast<std::int32_t>(lane)];
+    return Batch<A>::load_aligned(lanes);
+#  endif
+}
 
 #  if defined(__SSE2__)
 namespace native {

@@ -58,6 +58,10 @@ constexpr Parameter choice(std::string_view name, int slot, int value, std::stri
             .slot = slot};
 }
 
+constexpr Parameter table(std::string_view name, int slot, std::string_view label, std::string_view help) {
+    return {.name = name, .type = ParameterType::table, .label = label, .help = help, .slot = slot};
+}
+
 constexpr Parameter base_color(int slot, double r = 0.8, double g = 0.8, double b = 0.8) {
     return color("base_color", slot, r, g, b, "Base color",
                  "Reflectance of the surface: the diffuse albedo of a dielectric, F0 of a metal. Scene-linear.");
@@ -115,10 +119,12 @@ constexpr Parameter exponent(int slot, double value, double max, LobeWidth lobe_
                 lobe_width);
 }
 constexpr Parameter width(int slot) {
-    return wide(scalar("width", slot, 0.3, 0, 1, "Width",
-                       "Width of the highlight in the half angle, about radians: the root mean square slope times √2.",
-                       0.01, 1),
-                LobeWidth::alpha);
+    return wide(
+        scalar(
+            "width", slot, 0.3, 0, 1, "Width",
+            "Width of the highlight in the half angle, about radians: the root mean square slope along one direction, times √2.",
+            0.01, 1),
+        LobeWidth::alpha);
 }
 constexpr Parameter sss_color(int slot) {
     return color(
