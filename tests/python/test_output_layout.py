@@ -200,3 +200,18 @@ def test_names_that_become_one(tmp_path: Path, flat: Path) -> None:
     rig.output.aovs = ["light:a.b", "light:a_b"]
     with pytest.raises(relume.Error, match="light_a_b"):
         relight_file(flat, rig, tmp_path / "relit.exr")
+
+
+@pytest.mark.parametrize("source", [PARTS, OLD])
+def test_layers_by_the_rigs_names(rig: Rig, tmp_path: Path, source: Path) -> None:
+    relight_file(source, rig, tmp_path / "relit.exr")
+    want = relight(source, rig)
+    for name in ("light:key", "light:fill.001", "diffuse"):
+        np.testing.assert_array_equal(
+            relume.read_layer(tmp_path / "relit.exr", name), want[name].astype(np.float16).astype(np.float32)
+        )
+    np.testing.assert_array_equal(
+        relume.read_layer(tmp_path / "relit.exr"), want["beauty"].astype(np.float16).astype(np.float32)
+    )
+    with pytest.raises(relume.ChannelError, match="no layer 'light:kee'; did you mean 'light_key'"):
+        relume.read_layer(tmp_path / "relit.exr", "light:kee")
