@@ -79,16 +79,16 @@ private:
         } else if (rule && rule->channel) {
             choice_ = {options_.part.value_or(""), options_.view.value_or(first_view()), {}};
         } else {
-            std::string advice = "name it with channels.normal";
+            std::string advice = "name the layer that holds it (--channel normal=LAYER, channels.normal in a rig)";
             const std::vector<io::Part>& parts = file(0).header.parts;
             if (std::any_of(parts.begin(), parts.end(), [](const io::Part& part) { return part.deep; })) {
                 advice = "deep parts are not read, flatten them; or " + advice;
             }
             if (file(0).producer.producer == Producer::blender) {
-                advice = "turn the Normal pass of the view layer on and save as OpenEXR MultiLayer, or " + advice;
+                advice = "turn on the view layer's Normal pass and save as OpenEXR MultiLayer, or " + advice;
             }
             throw Error(ErrorKind::channel,
-                        file(0).path.string() + ": no normal channel; it holds " + contents(file(0)) + ". " + advice);
+                        file(0).path.string() + ": no normal channel; it holds " + contents(file(0)) + "; " + advice);
         }
         impl_->group = choice_.group;
         impl_->view = choice_.view;

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "gbuffer/attributes.h"
 #include "gbuffer/gbuffer_impl.h"
 #include "relume/version.h"
 
@@ -21,10 +23,14 @@ std::string layer_name(std::string name) {
     return name;
 }
 
+/// Which colours a part holds, or "data": the one attribute that Blender 5 and OpenImageIO want on every part.
+constexpr std::string_view kColorID = "colorInteropID";
+
 /// Attributes that describe the source's own channels, views or file, and would be wrong in the output.
 bool describes_source(std::string_view name) {
-    constexpr std::array kExact{
-        "multiView", "view", "name", "type", "chunkCount", "tiles", "preview", "envmap", "dwaCompressionLevel"};
+    constexpr std::array<std::string_view, 10> kExact{"multiView",           "view",  "name",    "type",
+                                                      "chunkCount",          "tiles", "preview", "envmap",
+                                                      "dwaCompressionLevel", kColorID};
     return name.starts_with("cryptomatte/") || name.starts_with("exr/cryptomatte/") || name.starts_with("relume/") ||
            std::find(kExact.begin(), kExact.end(), name) != kExact.end();
 }
@@ -40,6 +46,40 @@ std::string reasons(const GBuffer& gbuffer) {
     return out;
 }
 
+/// Where the beauty was read from; nothing in memory and where there is none.
+std::optional<gbuffer::Address> beauty_address(const GBuffer::Impl& source) {
+    const gbuffer::Semantic* beauty = source.find("beauty");
+    if (source.in_memory() || !beauty || beauty->raws.empty()) return std::nullopt;
+    return source.raws[static_cast<std::size_t>(beauty->raws.front())].address;
+}
+
+/// What the source says of its colours: where its beauty is, else in the first part that holds no data.
+std::optional<io::Attribute> color_id(const GBuffer::Impl& source) {
+    std::vector<const io::Part*> parts;
+    if (const auto beauty = beauty_address(source))
+        parts.push_back(
+            &source.files[static_cast<std::size_t>(beauty->file)].header.parts[static_cast<std::size_t>(beauty->part)]);
+    for (const gbuffer::SourceFile& file : source.files)
+        for (const io::Part& part : file.header.parts) parts.push_back(&part);
+    for (const io::Part* part : parts)
+        if (const std::string* id = gbuffer::text_attribute(*part, kColorID); id && *id != "data")
+            return io::Attribute{std::string(kColorID), "string", *id};
+    return std::nullopt;
+}
+
+/// What the beauty's part is called among several: as the source's own layer, without the view layer ("Combined" for
+/// "ViewLayer.Combined"), for Blender 5 names the pass by it; "rgba" where the source's channels are plain R, G, B.
+std::string beauty_part_name(const GBuffer::Impl& source, const Plan& plan) {
+    std::string name;
+    if (const auto beauty = beauty_address(source))
+        for (const gbuffer::Layer& layer : source.files[static_cast<std::size_t>(beauty->file)].layers)
+            for (const gbuffer::Component& component : layer.components)
+                if (component.address == *beauty) name = layer.name.substr(layer.name.rfind('.') + 1);  // npos + 1 is 0
+    const bool taken = std::any_of(plan.aovs.begin() + 1, plan.aovs.end(),
+                                   [&](const auto& aov) { return layer_name(aov.name) == name; });
+    return name.empty() || taken ? "rgba" : name;
+}
+
 std::vector<io::Attribute> metadata(const GBuffer& gbuffer, const Rig& rig) {
     std::vector<io::Attribute> out;
     const auto table = output_parameters();
@@ -50,6 +90,7 @@ std::vector<io::Attribute> metadata(const GBuffer& gbuffer, const Rig& rig) {
             for (const io::Attribute& a : parts.front().attributes)
                 if (!describes_source(a.name)) out.push_back(a);
     }
+    if (const auto id = color_id(gbuffer.impl())) out.push_back(*id);
     out.push_back({"relume/version", "string", std::string(version())});
     out.push_back({"relume/rig", "string", rig.to_toml()});
     out.push_back({"relume/channels", "string", reasons(gbuffer)});
@@ -83,7 +124,7 @@ OutputLayout output_layout(const GBuffer& gbuffer, const Rig& rig, const Plan& p
     blank.pixel_aspect = gbuffer.pixel_aspect();
     out.header.parts.push_back(blank);
     out.header.parts.front().attributes = metadata(gbuffer, rig);
-    if (multipart) out.header.parts.front().name = "rgba";
+    if (multipart) out.header.parts.front().name = beauty_part_name(gbuffer.impl(), plan);
 
     std::vector<std::vector<std::string>> names(plan.aovs.size());
     for (std::size_t a = 0; a < plan.aovs.size(); ++a) {
@@ -94,6 +135,8 @@ OutputLayout output_layout(const GBuffer& gbuffer, const Rig& rig, const Plan& p
         if (multipart && a > 0) {
             io::Part part = blank;
             part.name = layer;
+            if (const auto* id = gbuffer::find_attribute(out.header.parts.front(), kColorID))
+                part.attributes.push_back(*id);
             out.header.parts.push_back(part);
             slot.part = static_cast<int>(out.header.parts.size()) - 1;
         }

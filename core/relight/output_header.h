@@ -22,8 +22,10 @@ struct OutputLayout {
 };
 
 /// A single-part source (and one in memory) gives a single part: R, G, B, A and a layer per AOV. A multi-part source
-/// gives a part per AOV, so that a reader that expects parts finds them. Windows, pixel aspect and, with metadata =
-/// "keep", the source's attributes carry over; Cryptomatte manifests do not, since their channels do not either.
+/// gives a part per AOV, so that a reader that expects parts finds them, and calls the beauty's as the source does:
+/// Blender 5 names passes by their parts. The source's colour space stands on every part. Windows, pixel aspect and,
+/// with metadata = "keep", the source's attributes carry over; Cryptomatte manifests do not, since their channels do
+/// not either.
 OutputLayout output_layout(const GBuffer& gbuffer, const Rig& rig, const Plan& plan);
 
 }  // namespace relume

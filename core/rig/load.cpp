@@ -3,6 +3,7 @@
 #include <map>
 #include <set>
 
+#include "lights/bake.h"
 #include "relume/light.h"
 #include "rig/document.h"
 #include "rig/problem.h"
@@ -79,6 +80,7 @@ public:
                     throw Error(ErrorKind::rig, light_label(light) + " has no " + std::string(p.name) + " at " +
                                                     places_[light.name] + "; a " + light.type +
                                                     " light needs one: " + std::string(p.name) + " = [x, y, z]");
+        for (const Light& light : rig_.lights) refuse_impossible(light);
         const auto& camera = rig_.gbuffer;
         if (camera.focal_length.has_value() != camera.horizontal_aperture.has_value())
             throw Error(ErrorKind::rig, std::string("[camera] has ") +
@@ -88,6 +90,16 @@ public:
     }
 
 private:
+    /// What each value allows and all together do not: a direction of length 0, an attenuation of 0 everywhere.
+    void refuse_impossible(const Light& light) {
+        try {
+            std::vector<std::string> warnings;
+            bake_light(light, std::nullopt, warnings);
+        } catch (const Error& error) {
+            throw Error(ErrorKind::rig, error.what() + at(places_[light.name]));
+        }
+    }
+
     static std::string at(const std::string& place) { return place.empty() ? "" : " at " + place; }
 
     void read(const Source& source, const Node::Table& document, const std::filesystem::path& folder) {

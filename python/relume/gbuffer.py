@@ -383,4 +383,4 @@ def main_file(path: str | os.PathLike[str] | None, options: Rig) -> str:
     source = options._rig.channel_sources().get("normal")
     if source and Path(source).suffix:
         return source
-    raise ArgumentError("no file to read: give a path, a rig with [gbuffer] file, or channels={'normal': file, …}")
+    raise ArgumentError("no file to read: give one, a rig with [gbuffer] file, or a file for the channel normal")

@@ -104,6 +104,8 @@ def _split(name: str, part: int, members: dict[str, str], integers: set[str]) ->
 def find_layer(file: ExrFile, name: str | None) -> Layer:
     """The layer of a name: the full one, else its last words ("Normal" for "ViewLayer.Normal"); the beauty for None.
 
+    "light:key.001", an AOV as a rig names it, finds its layer "light_key_001".
+
     Raises:
         ChannelError: there is none, or several; the message has the nearest name or the candidates.
     """
@@ -116,7 +118,8 @@ def find_layer(file: ExrFile, name: str | None) -> Layer:
                 if layer.name.rpartition(".")[2].lower() == wanted and layer.kind == "color":
                     return layer
         return next((layer for layer in layers if layer.kind == "color"), layers[0])
-    exact = [layer for layer in layers if name in (layer.name, layer.title)]
+    aov = name.translate(str.maketrans(":. ", "___")) if name.startswith("light:") else name
+    exact = [layer for layer in layers if layer.name == aov or name in (layer.name, layer.title)]
     if exact:
         return exact[0]
     folded = name.lower()

@@ -54,6 +54,16 @@ TEST(RigMistakes, Keys) {
               "unknown key 'compresion' in [output] at key.relume:2:1; did you mean 'compression'?");
 }
 
+TEST(RigMistakes, ValuesThatAreImpossibleTogether) {
+    EXPECT_EQ(in_light("direction = [0, 0, 0]"),
+              "light 'key': direction must not be the zero vector at key.relume:1:1");
+    EXPECT_EQ(in_light("direction = [0, 0, 1e-9]"), "accepted");
+    EXPECT_EQ(refusal("[[light]]\nname = 'lamp'\ntype = 'point'\nposition = [0, 0, 1]\nattenuation = [0, 0, 0]"),
+              "light 'lamp': attenuation must not be all 0 at key.relume:1:1");
+    EXPECT_EQ(refusal("[[light]]\ntype = 'sky'\nup = [0, 0, 0]"),
+              "light 'sky': up must not be the zero vector at key.relume:1:1");
+}
+
 TEST(RigMistakes, Sections) {
     EXPECT_EQ(refusal("version = 1\n[[lights]]\n"),
               "unknown section [[lights]] at key.relume:2:3; did you mean 'light'?");

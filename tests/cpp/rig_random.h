@@ -107,7 +107,13 @@ public:
         for (const Parameter& row : type.parameters) {
             if (row.name == (power ? "intensity" : "power")) continue;
             const bool required = !row.has_default && row.type == ParameterType::vector;
-            if (required || coin()) out.values.set(type.parameters, row.name, value(row), name);
+            if (!required && !coin()) continue;
+            Value any = value(row);
+            // No direction has length 0, and no light fades by 0 everywhere: those rigs are refused.
+            if (row.type == ParameterType::vector && row.name != "position")
+                std::get<std::array<double, 3>>(any)[0] = 1;
+            if (row.name == "attenuation") std::get<std::vector<double>>(any)[0] = 1;
+            out.values.set(type.parameters, row.name, any, name);
         }
         return out;
     }

@@ -211,3 +211,19 @@ def test_command_alpha(tmp_path: Path) -> None:
     assert run_relume("png", path, "--alpha").code == 0
     expected = [*np.rint(to_display(np.float32([0.5, 0.2, 0])) * 255), 128]
     assert np.abs(decoded(tmp_path / "flat.png", np.uint8)[0, 0] - expected).max() <= 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["shot.1.exr", "-o", "x.jpg"], "x.jpg: png writes PNG; give a name that ends in .png"),
+        (["shot.#.exr"], "shot.#.exr: png takes one frame, as shot.1.exr"),
+        (["take.#.exr"], "take.#.exr: png takes one frame"),
+    ],
+)
+def test_command_refuses(tmp_path: Path, arguments: list[str], says: str) -> None:
+    write_exr(tmp_path / "shot.1.exr", {name: np.ones((2, 2), np.float32) for name in "RGB"})
+    ran = run_relume("png", *arguments, cwd=tmp_path)
+    assert ran.code == 2, ran
+    assert ran.err.splitlines()[-1] == f"Error: {says}"
+    assert [path.name for path in tmp_path.iterdir()] == ["shot.1.exr"]

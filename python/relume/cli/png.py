@@ -64,9 +64,16 @@ def command(
     """
     from relume import _relume
     from relume.display import Display, quantized
+    from relume.frames import find_frames, is_pattern, resolve_frame
     from relume.layers import find_layer, layers_of, pixels_of, space_of
     from relume.png import write_png
 
+    if output is not None and Path(output).suffix.lower() != ".png":
+        raise click.UsageError(f"{output}: png writes PNG; give a name that ends in .png")
+    if is_pattern(path) and not Path(path).exists():
+        frames = find_frames(path)
+        one = f", as {resolve_frame(path, frames[0])}" if frames else ""
+        raise click.UsageError(f"{path}: png takes one frame{one}")
     file = _relume.ExrFile(Path(path))
     if only_list:
         for entry in layers_of(file):
