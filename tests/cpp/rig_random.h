@@ -108,7 +108,12 @@ public:
             if (row.name == (power ? "intensity" : "power")) continue;
             const bool required = !row.has_default && row.type == ParameterType::vector;
             if (!required && !coin()) continue;
-            Value any = value(row);
+            // Within single precision, and together still so: brighter lights are refused.
+            const double limit = row.name == "exposure" ? 20 : 1e6;
+            Parameter bounded = row;
+            bounded.min = std::max(row.min, -limit);
+            bounded.max = std::min(row.max, limit);
+            Value any = value(bounded);
             // No direction has length 0, and no light fades by 0 everywhere: those rigs are refused.
             if (row.type == ParameterType::vector && row.name != "position")
                 std::get<std::array<double, 3>>(any)[0] = 1;

@@ -47,8 +47,8 @@ TEST(RigRoundTrip, NumbersKeepEveryBit) {
     for (int k = 0; k < 4000; ++k) {
         const double number = std::bit_cast<double>(engine());
         if (!std::isfinite(number)) continue;
-        const Rig back = Rig::loads("[[light]]\ntype = 'sun'\nexposure = " + rigfile::number_text(number));
-        const double read = std::get<double>(*back.lights[0].values.find("exposure"));
+        const Rig back = Rig::loads("[gbuffer.channels]\ndepth = { near = " + rigfile::number_text(number) + " }");
+        const double read = back.gbuffer.channels.at("depth").near.value();
         ASSERT_EQ(std::bit_cast<std::uint64_t>(read), std::bit_cast<std::uint64_t>(number))
             << rigfile::number_text(number);
     }

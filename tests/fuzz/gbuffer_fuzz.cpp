@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer's target for the whole reading path: an EXR of any bytes is understood as a G-buffer and every channel of it
-// read in canonical form, or gives an Error of one line.
+// libFuzzer's target for the whole reading path: an EXR of any bytes is understood as a G-buffer and every channel of
+// it read in canonical form, or gives an Error of one line.
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -37,8 +37,8 @@ void read_all(const GBuffer& gbuffer) {
     const Window window = gbuffer.data_window();
     for (const ChannelInfo& info : gbuffer.channels()) {
         const bool id = info.name.ends_with("_id");
-        const ChannelRequest request{id ? ChannelRequest::Kind::id : ChannelRequest::Kind::semantic, info.name,
-                                     info.components, {}, 1, 0};
+        const ChannelRequest request{
+            id ? ChannelRequest::Kind::id : ChannelRequest::Kind::semantic, info.name, info.components, {}, 1, 0};
         const std::int64_t values = std::int64_t{window.width} * window.height * info.components;
         if (values > kMostValues) return;
         std::vector<float> pixels(static_cast<std::size_t>(values));
