@@ -81,6 +81,7 @@ void bind_rig(py::module_& module) {
             "get", [](const Rig& rig, const std::string& key) { return rig.get(key); }, py::arg("key"),
             "The value of a dotted key as TOML.")
         .def("to_toml", &Rig::to_toml)
+        .def("at", &Rig::at, py::arg("frame"))
         .def(
             "aovs",
             [](const Rig& rig) {

@@ -56,8 +56,11 @@ function(relume_isa_objects target isa)
         if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
             # GCC 12 on its own AVX-512 header: the "undefined" vectors there.
             target_compile_options(${library} PRIVATE -Wno-maybe-uninitialized)
-            # Structs of batches are split into registers whatever their size (default: 136 bytes, two AVX-512 batches).
-            target_compile_options(${library} PRIVATE --param=sra-max-scalarization-size-Ospeed=8192)
+            if(NOT RELUME_SANITIZE)
+                # Structs of batches are split into registers whatever their size (default: 136 bytes, two AVX-512
+                # batches). Instrumented, the largest kernels would take minutes for it.
+                target_compile_options(${library} PRIVATE --param=sra-max-scalarization-size-Ospeed=8192)
+            endif()
         endif()
     endif()
 endfunction()

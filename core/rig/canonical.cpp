@@ -103,6 +103,19 @@ std::string choice_of(const Parameter& row, const std::string& word, const Check
 
 }  // namespace
 
+Value canonical_keys(const Parameter& row, const Keys& keys, std::string_view what) {
+    const Check check(row, keys, what);
+    if (!row.is_number()) check.wrong_type();
+    Keys out = keys;
+    out.components = row.components();
+    for (std::size_t k = 0; k < keys.frames.size(); ++k) {
+        const Value one = keys.components == 1 ? Value(keys.values[k][0]) : Value(keys.values[k]);
+        const Value value = canonical(row, one, std::string(what) + ", frame " + short_number_text(keys.frames[k]));
+        out.values[k] = row.components() == 1 ? Triple{std::get<double>(value), 0, 0} : std::get<Triple>(value);
+    }
+    return out;
+}
+
 Value canonical(const Parameter& row, const Value& value, std::string_view what) {
     const Check check(row, value, what);
     if (const auto* channel = std::get_if<ChannelRef>(&value)) {

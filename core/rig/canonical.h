@@ -11,4 +11,7 @@ namespace relume::rigfile {
 /// messages. Throws Problem(type, range, or name for a choice).
 Value canonical(const Parameter& row, const Value& value, std::string_view what);
 
+/// The same for each of the keys. Rows that hold no number, colour or vector take none.
+Value canonical_keys(const Parameter& row, const Keys& keys, std::string_view what);
+
 }  // namespace relume::rigfile

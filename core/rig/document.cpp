@@ -2,6 +2,7 @@
 #include "rig/document.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "rig/problem.h"
@@ -77,11 +78,56 @@ std::variant<Value, Node::Table, Node::Tables, Node::Other> convert_array(const 
     return tables;
 }
 
+/// { keys = [[frame, value], …], interpolation = "…" }; a value is a number, or three numbers, in a list or not.
+std::variant<Value, Node::Table, Node::Tables, Node::Other> convert_keys(const toml::table& table) {
+    const Node::Other wrong{"keys of this form; write { keys = [[frame, value], …], interpolation = \"linear\" }"};
+    Keys out;
+    for (const auto& [name, value] : table) {
+        if (name.str() == "keys") continue;
+        const auto word = name.str() == "interpolation" ? value.value_exact<std::string>() : std::nullopt;
+        if (word == "linear") out.interpolation = Keys::Interpolation::linear;
+        else if (word == "hold") out.interpolation = Keys::Interpolation::hold;
+        else if (word == "smooth") out.interpolation = Keys::Interpolation::smooth;
+        else
+            return Node::Other{"keys with another " + in_quotes(std::string(name.str())) +
+                               "; interpolation is \"linear\", \"hold\" or \"smooth\""};
+    }
+    for (const toml::node& item : *table["keys"].as_array()) {
+        const toml::array* row = item.as_array();
+        if (row == nullptr || row->empty()) return wrong;
+        std::optional<std::vector<double>> numbers;
+        if (row->size() == 2 && (*row)[1].is_array()) {
+            numbers = numbers_of(*(*row)[1].as_array());
+            const auto frame = (*row)[0].is_number() ? (*row)[0].value<double>() : std::nullopt;
+            if (!numbers || numbers->size() != 3 || !frame) return wrong;
+            numbers->insert(numbers->begin(), *frame);
+        } else {
+            numbers = numbers_of(*row);
+        }
+        if (!numbers || (numbers->size() != 2 && numbers->size() != 4)) return wrong;
+        const int components = numbers->size() == 2 ? 1 : 3;
+        const double frame = numbers->front();
+        if (!std::isfinite(frame) || (!out.frames.empty() && frame <= out.frames.back()))
+            return Node::Other{"keys whose frames do not rise"};
+        if (!out.frames.empty() && components != out.components) return Node::Other{"keys of mixed values"};
+        out.components = components;
+        out.frames.push_back(frame);
+        out.values.push_back(components == 1 ? std::array<double, 3>{(*numbers)[1], 0, 0}
+                                             : std::array<double, 3>{(*numbers)[1], (*numbers)[2], (*numbers)[3]});
+    }
+    if (out.frames.empty()) return Node::Other{"keys without any frame"};
+    return Value(std::move(out));
+}
+
 Node convert(const toml::node& node, int depth) {
     Node out{place_of(node.source()), Node::Other{"a value that lies too deep"}};
     if (depth > kDeepest) return out;
-    if (const auto* table = node.as_table()) out.data = convert_table(*table, depth);
-    else if (const auto* array = node.as_array()) out.data = convert_array(*array, depth);
+    if (const auto* table = node.as_table()) {
+        if (table->is_inline() && (*table)["keys"].is_array()) out.data = convert_keys(*table);
+        else out.data = convert_table(*table, depth);
+        return out;
+    }
+    if (const auto* array = node.as_array()) out.data = convert_array(*array, depth);
     else if (const auto* text = node.as_string()) out.data = Value(text->get());
     else if (const auto* integer = node.as_integer()) out.data = Value(integer->get());
     else if (const auto* number = node.as_floating_point()) out.data = Value(number->get());

@@ -25,7 +25,9 @@ const Parameter& row_of(std::span<const Parameter> table, std::string_view name)
 void ParameterValues::set(std::span<const Parameter> table, std::string_view name, const Value& value,
                           std::string_view what) {
     const Parameter& row = rigfile::require_row(table, name, what);
-    values_.insert_or_assign(std::string(name), rigfile::canonical(row, value, what));
+    const auto* keys = std::get_if<Keys>(&value);
+    values_.insert_or_assign(std::string(name), keys != nullptr ? rigfile::canonical_keys(row, *keys, what)
+                                                                : rigfile::canonical(row, value, what));
 }
 
 void ParameterValues::unset(std::string_view name) {
@@ -46,6 +48,7 @@ double ParameterValues::number(std::span<const Parameter> table, std::string_vie
     if (const auto* d = std::get_if<double>(value)) return *d;
     if (const auto* i = std::get_if<std::int64_t>(value)) return static_cast<double>(*i);
     if (const auto* b = std::get_if<bool>(value)) return *b ? 1 : 0;
+    if (const auto* keys = std::get_if<Keys>(value)) return keys->values.front()[0];
     wrong_kind(name);
 }
 
@@ -54,6 +57,7 @@ std::array<double, 3> ParameterValues::triple(std::span<const Parameter> table, 
     const Value* value = find(name);
     if (value == nullptr) return row.value;
     if (const auto* t = std::get_if<std::array<double, 3>>(value)) return *t;
+    if (const auto* keys = std::get_if<Keys>(value)) return keys->values.front();
     wrong_kind(name);
 }
 

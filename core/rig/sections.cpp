@@ -224,6 +224,10 @@ ChannelRef channel_ref(const ParameterValues& values, const std::string& what) {
     if (!values.given("channel"))
         throw Problem(Problem::Cause::name, what + " is a table without channel",
                       "; write { channel = \"coat.X\", scale = 1.0, offset = 0.0 }");
+    for (const auto& [name, value] : values.all())
+        if (std::holds_alternative<Keys>(value))
+            throw Problem(Problem::Cause::type, what + ": " + name + " cannot be keyed",
+                          "; a channel changes by itself");
     return {values.text(table, "channel"), values.number(table, "scale"), values.number(table, "offset")};
 }
 

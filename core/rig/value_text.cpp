@@ -32,6 +32,22 @@ std::string table_text(const LookupTable& table) {
     return out + "]]";
 }
 
+constexpr std::string_view kInterpolations[] = {"linear", "hold", "smooth"};
+
+std::string keys_text(const Keys& keys) {
+    std::string out = "{ keys = [";
+    for (std::size_t k = 0; k < keys.frames.size(); ++k) {
+        out += (k == 0 ? "[" : ", [") + short_number_text(keys.frames[k]);
+        for (int c = 0; c < keys.components; ++c)
+            out += ", " + short_number_text(keys.values[k][static_cast<std::size_t>(c)]);
+        out += "]";
+    }
+    out += "]";
+    if (keys.interpolation != Keys::Interpolation::linear)
+        out += ", interpolation = " + string_text(kInterpolations[static_cast<std::size_t>(keys.interpolation)]);
+    return out + " }";
+}
+
 std::string plural(std::size_t count, std::string_view thing) {
     return std::to_string(count) + " " + std::string(thing) + (count == 1 ? "" : "s");
 }
@@ -109,6 +125,7 @@ std::string value_text(const Value& value, ParameterType type) {
                                      ", offset = " + number_text(v.offset) + " }";
                           },
                           [](const LookupTable& v) { return table_text(v); },
+                          [](const Keys& v) { return keys_text(v); },
                       },
                       value);
 }
@@ -127,6 +144,7 @@ std::string describe(const Value& value) {
                           },
                           [](const ChannelRef& v) { return "the channel " + in_quotes(v.channel); },
                           [](const LookupTable&) -> std::string { return "a list of lists"; },
+                          [](const Keys&) -> std::string { return "keys over frames"; },
                       },
                       value);
 }

@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from relume.relighting import relight as relight
     from relume.relighting import relight_file as relight_file
     from relume.rig import FromChannel as FromChannel
+    from relume.rig import Keys as Keys
     from relume.rig import Rig as Rig
     from relume.shading import Evaluation as Evaluation
     from relume.shading import Shader as Shader
@@ -100,7 +101,7 @@ _HOMES = {
     "layers": ("read_layer",),
     "png": ("write_png",),
     "relighting": ("Relit", "relight", "relight_file"),
-    "rig": ("FromChannel", "Rig"),
+    "rig": ("FromChannel", "Keys", "Rig"),
     "builtin_scenes": ("scenes", "write_scene"),
     "shading": ("Evaluation", "Shader", "light_types", "shaders"),
 }

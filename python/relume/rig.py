@@ -31,7 +31,7 @@ from relume.images import install_reader
 if TYPE_CHECKING:
     from relume._relume import Parameter
 
-__all__ = ["Channels", "FromChannel", "Light", "Lights", "Rig", "Section", "ShaderUse", "ShaderUses"]
+__all__ = ["Channels", "FromChannel", "Keys", "Light", "Lights", "Rig", "Section", "ShaderUse", "ShaderUses"]
 
 
 class FromChannel(NamedTuple):
@@ -42,13 +42,25 @@ class FromChannel(NamedTuple):
     offset: float = 0.0
 
 
+class Keys(NamedTuple):
+    """A number, colour or vector that changes over the frames of a sequence.
+
+    Before the first key it has that one's value, after the last one that one's; ``Rig.at(frame)`` gives a frame's rig.
+    """
+
+    #: (frame, value) with rising frames; a value is a number or three.
+    keys: Sequence[tuple[float, float | Sequence[float]]]
+    #: "linear", "hold" (the key before) or "smooth" (t²(3 − 2t) from key to key).
+    interpolation: str = "linear"
+
+
 def toml_text(value: object) -> str:
     """A value as TOML: numbers, strings, booleans, sequences, mappings, numpy scalars and arrays, FromChannel.
 
     Raises:
         ParameterError: no rig can hold a value of this kind.
     """
-    if isinstance(value, FromChannel):
+    if isinstance(value, (FromChannel, Keys)):
         return toml_text(value._asdict())
     if hasattr(value, "tolist"):  # numpy
         value = value.tolist()
@@ -93,6 +105,11 @@ def _part(name: str) -> str:
     return f"{quote}{name}{quote}"
 
 
+def _key_pair(key: list[float]) -> tuple[float, float | tuple[float, ...]]:
+    frame, *value = (float(number) for number in key)
+    return frame, value[0] if len(value) == 1 else tuple(value)
+
+
 def _from_toml(row: Parameter | None, text: str) -> Any:
     """The Python value of what Rig::get() says, in the type of its row."""
     if not text:
@@ -100,6 +117,8 @@ def _from_toml(row: Parameter | None, text: str) -> Any:
     value = tomllib.loads(f"value = {text}")["value"]
     if isinstance(value, dict) and "channel" in value:
         return FromChannel(value["channel"], float(value.get("scale", 1)), float(value.get("offset", 0)))
+    if isinstance(value, dict) and "keys" in value:
+        return Keys(tuple(_key_pair(key) for key in value["keys"]), value.get("interpolation", "linear"))
     if row is None or isinstance(value, dict):
         return value
     if row.type == "scalar":
@@ -604,6 +623,10 @@ class Rig:
                         _relume.load_table(Path(value))
                     except Error as error:
                         raise type(error)(f"{shader._title()}: {row.name}: {error}") from None
+
+    def at(self, frame: float) -> Rig:
+        """The rig of one frame: what is keyed over frames (``Keys``) has that frame's value."""
+        return Rig._of(self._rig.at(frame))
 
     def copy(self) -> Rig:
         """An independent copy."""

@@ -97,8 +97,13 @@ def inputs_of(frame: Frame, rig: Rig) -> list[Path]:
     return files
 
 
+def _rig_of(frame: Frame, rig: Rig) -> Rig:
+    return rig if frame.number is None else rig.at(frame.number)
+
+
 def is_up_to_date(frame: Frame, rig: Rig) -> bool:
     """Whether the output is whole, newer than what it is made of, and made by this rig (as far as it says by which)."""
+    rig = _rig_of(frame, rig)
     try:
         written = frame.output.stat().st_mtime_ns
         if any(path.stat().st_mtime_ns > written for path in inputs_of(frame, rig) if path.exists()):
@@ -113,7 +118,8 @@ def is_up_to_date(frame: Frame, rig: Rig) -> bool:
 def relight_frame(
     frame: Frame, rig: Rig, threads: int | None = None, progress: Callable[[float], object] | None = None
 ) -> FrameReport:
-    """Relight one frame into its file. Raises what reading, shading and writing raise."""
+    """Relight one frame into its file, by the rig of that frame. Raises what reading, shading and writing raise."""
+    rig = _rig_of(frame, rig)
     gbuffer = GBuffer.read(frame.source, rig=rig, frame=frame.number)
     return FrameReport.of(relight_file(gbuffer, rig, frame.output, threads, progress))
 

@@ -101,6 +101,22 @@ public:
         return words[static_cast<std::size_t>(below(static_cast<int>(words.size())))];
     }
 
+    /// Keys over frames for a number or colour.
+    Keys keys(const Parameter& row) {
+        Keys out;
+        out.interpolation = static_cast<Keys::Interpolation>(below(3));
+        out.components = row.components();
+        double frame = number({});
+        for (int k = below(4); k >= 0; --k) {
+            out.frames.push_back(frame);
+            std::array<double, 3> value{};
+            for (int c = 0; c < out.components; ++c) value[static_cast<std::size_t>(c)] = number(row);
+            out.values.push_back(value);
+            frame = std::nextafter(frame, 1e308) + below(50);
+        }
+        return out;
+    }
+
     Light light(const LightType& type, const std::string& name) {
         Light out{name, std::string(type.name), {}};
         const bool power = coin();
@@ -118,6 +134,7 @@ public:
             if (row.type == ParameterType::vector && row.name != "position")
                 std::get<std::array<double, 3>>(any)[0] = 1;
             if (row.name == "attenuation") std::get<std::vector<double>>(any)[0] = 1;
+            if (row.is_number() && row.type != ParameterType::vector && coin(0.2)) any = keys(bounded);
             out.values.set(type.parameters, row.name, any, name);
         }
         return out;

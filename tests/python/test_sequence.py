@@ -100,6 +100,27 @@ def test_up_to_date(shot: Path) -> None:
     assert is_up_to_date(frame, rig)
 
 
+def test_keyed_rigs(shot: Path) -> None:
+    """Each frame has its own exposure, and --skip-existing knows which one a picture was made with."""
+    rig = relume.Rig.loads(KEY + "[output]\ntype = 'float'\n")
+    rig.light["key"].exposure = relume.Keys([(1, 0.0), (5, 2.0)])
+    assert rig.light["key"].exposure == relume.Keys(((1.0, 0.0), (5.0, 2.0)), "linear")
+    frames = frames_in(shot, 6)
+    relight_frames(frames, rig)
+    pictures = []
+    for frame in frames:
+        with OpenEXR.File(str(frame.output)) as file:
+            pictures.append(file.channels()["RGBA"].pixels[..., :3])
+    for number, stops in ((2, 0.5), (3, 1.0), (5, 2.0), (6, 2.0)):
+        np.testing.assert_allclose(pictures[number - 1], pictures[0] * 2**stops, rtol=1e-5)
+    assert all(is_up_to_date(frame, rig) for frame in frames)
+    rig.light["key"].exposure = relume.Keys([(1, 0.0), (4, 1.5), (6, 2.0)], "hold")
+    assert [is_up_to_date(frame, rig) for frame in frames] == [True, False, False, False, False, True]
+    assert rig.at(5).light["key"].exposure == 1.5
+    with pytest.raises(relume.ParameterError, match=r"keys whose frames do not rise"):
+        rig.light["key"].exposure = relume.Keys([(2, 0.0), (1, 1.0)])
+
+
 def test_killed_at_random_moments(shot: Path) -> None:
     """kill -9 never leaves a half-written frame under its name, and the same command goes on where it was."""
     pixels = np.random.default_rng(1).random((120, 160), np.float32)

@@ -27,11 +27,27 @@ struct ChannelRef {
     bool operator==(const ChannelRef&) const = default;
 };
 
+/// A number, colour or vector that changes over the frames of a sequence.
+struct RELUME_API Keys {
+    enum class Interpolation : std::uint8_t {
+        linear,
+        hold,    ///< the value of the key before
+        smooth,  ///< t²(3 − 2t) from key to key
+    };
+    Interpolation interpolation = Interpolation::linear;
+    int components = 1;                         ///< 1 or 3 of each value
+    std::vector<double> frames;                 ///< rising; at least one
+    std::vector<std::array<double, 3>> values;  ///< of each frame
+    /// Before the first key its value, after the last one that one's.
+    std::array<double, 3> at(double frame) const;
+    bool operator==(const Keys&) const = default;
+};
+
 /// What a key holds. ParameterValues keeps one form per row type: scalar double, integer int64, color and vector three
 /// doubles (a single number given for a color is grey), choice and text a string, lists as vectors, table a file's name
 /// or its numbers.
 using Value = std::variant<bool, std::int64_t, double, std::array<double, 3>, std::string, std::vector<std::string>,
-                           std::vector<double>, ChannelRef, LookupTable>;
+                           std::vector<double>, ChannelRef, LookupTable, Keys>;
 
 /// Values for the rows of a parameter table: only what was given is stored, the rest is the table's default.
 class RELUME_API ParameterValues {
@@ -43,7 +59,11 @@ public:
     bool given(std::string_view name) const;
     const Value* find(std::string_view name) const;
 
-    /// Given or default, converted; throws std::logic_error when the table has no such row (a programming error).
+    /// What is keyed becomes what it is at that frame.
+    void resolve(double frame);
+
+    /// Given or default, converted; keyed values as they are at their first key. Throws std::logic_error when the table
+    /// has no such row (a programming error).
     double number(std::span<const Parameter> table, std::string_view name) const;
     std::array<double, 3> triple(std::span<const Parameter> table, std::string_view name) const;
     bool boolean(std::span<const Parameter> table, std::string_view name) const;
@@ -124,6 +144,9 @@ public:
     /// A rig file that loads to an equal rig, if this one is complete: set() may leave focal_length without its
     /// aperture or a point light without a position, which load() refuses. Includes are merged into it.
     std::string to_toml() const;
+
+    /// The rig of one frame: what is keyed has that frame's value.
+    Rig at(double frame) const;
 
     /// Same contents; `path` is not compared.
     bool operator==(const Rig& other) const;
