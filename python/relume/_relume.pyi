@@ -216,6 +216,7 @@ class Rig:
         """
         Names and components of the pictures that the rig makes, beauty first.
         """
+    def at(self, frame: typing.SupportsFloat | typing.SupportsIndex) -> Rig: ...
     def channel_sources(self) -> dict[str, str | None]:
         """
         The channel, layer or file of each semantic name that [gbuffer.channels] says something of.
