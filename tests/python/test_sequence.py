@@ -115,7 +115,8 @@ def test_keyed_rigs(shot: Path) -> None:
         np.testing.assert_allclose(pictures[number - 1], pictures[0] * 2**stops, rtol=1e-5)
     assert all(is_up_to_date(frame, rig) for frame in frames)
     rig.light["key"].exposure = relume.Keys([(1, 0.0), (4, 1.5), (6, 2.0)], "hold")
-    assert [is_up_to_date(frame, rig) for frame in frames] == [True, False, False, False, False, True]
+    # Frames 1, 4 and 6 have the same exposure either way.
+    assert [is_up_to_date(frame, rig) for frame in frames] == [True, False, False, True, False, True]
     assert rig.at(5).light["key"].exposure == 1.5
     with pytest.raises(relume.ParameterError, match=r"keys whose frames do not rise"):
         rig.light["key"].exposure = relume.Keys([(2, 0.0), (1, 1.0)])

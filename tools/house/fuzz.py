@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+from pathlib import Path
 
 from house import build
 from house.checkout import ROOT, StepError, say
@@ -31,7 +32,7 @@ def run(seconds: int) -> None:
         for folder in (corpus, found):
             folder.mkdir(parents=True, exist_ok=True)
         say(f"{name}, {seconds} s")
-        command = [
+        command: list[str | Path] = [
             directory / "tests" / "fuzz" / name,
             f"-max_total_time={seconds}",
             f"-max_len={longest}",
