@@ -30,6 +30,8 @@ function(relume_isa_objects target isa)
         # Marking the scopes of a flattened kernel's thousand temporaries costs 37 s a file instead of 7, and finds nothing
         # that the checks of heap and stack bounds would not.
         target_compile_options(${library} PRIVATE -fno-sanitize-address-use-after-scope)
+        # Pairs of batches instrumented are another five minutes for the same code twice.
+        target_compile_definitions(${library} PRIVATE RELUME_SINGLE_BATCHES)
     else()
         target_compile_options(${library} PRIVATE -O3)
     endif()

@@ -185,3 +185,9 @@ def test_stereo_and_layers(tmp_path: Path) -> None:
     data = json.loads(run_relume("inspect", path, "--part", "B", "--json").out)
     normal = next(channel for channel in data["channels"] if channel["name"] == "normal")
     assert normal["sources"][0] == "B.N.X"
+
+
+def test_both_modules_are_the_command_line() -> None:
+    for module in ("relume", "relume.cli"):
+        ran = subprocess.run([sys.executable, "-m", module, "--version"], capture_output=True, text=True, check=False)
+        assert ran.returncode == 0 and ran.stdout == f"relume {relume.__version__}\n"

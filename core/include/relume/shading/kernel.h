@@ -485,7 +485,7 @@ template <class S, class T> __attribute__((flatten)) static void shade_tile_with
 /// The number type for a tile: one batch or a pair of them, by the light count alone, so that all tiles of a frame
 /// agree.
 template <class S, class T> static void shade_tile(ShaderTile* tile) {
-#if defined(RELUME_ISA_BATCH)
+#if defined(RELUME_ISA_BATCH) && !defined(RELUME_SINGLE_BATCHES)
 #  if defined(__AVX512F__)
     // 32 registers hold one batch's pixel; a pair's spill, which pays from four lights on.
     if (tile->light_count < 4) return shade_tile_with<S, T>(tile);
