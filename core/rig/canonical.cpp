@@ -54,6 +54,7 @@ bool takes_channel(const Parameter& row) { return row.slot >= 0 && row.is_number
 class Check {
 public:
     Check(const Parameter& row, const Value& value, std::string_view what) : row_(row), value_(value), what_(what) {}
+    Check(const Parameter& row, Value&& value, std::string_view what) = delete;
 
     std::string name() const { return what_ + ": " + std::string(row_.name); }
 
@@ -104,7 +105,8 @@ std::string choice_of(const Parameter& row, const std::string& word, const Check
 }  // namespace
 
 Value canonical_keys(const Parameter& row, const Keys& keys, std::string_view what) {
-    const Check check(row, keys, what);
+    const Value whole(keys);  // Check refers to it
+    const Check check(row, whole, what);
     if (!row.is_number()) check.wrong_type();
     Keys out = keys;
     out.components = row.components();
