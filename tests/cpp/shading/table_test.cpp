@@ -134,6 +134,8 @@ TEST(Table, BuiltInIsGgxOverItsPeak) {
     EXPECT_THROW(builtin_table(require_shader("cook_torrance"), "roughness"), Error);
 }
 
+// T² changes by 94 times n·h at the least roughness of the regime (2·2(1 − a²)/a² with a = 0.45²), and n·h, a table's
+// coordinate, is good to 3e-7: 3e-5.
 TEST(Table, EveryIsaFollowsTheScalarReference) {
     const ShaderInfo& shader = require_shader("cook_torrance");
     const auto isas = available_isas();
@@ -147,7 +149,7 @@ TEST(Table, EveryIsaFollowsTheScalarReference) {
             for (std::size_t c = 0; c < 12; ++c)
                 for (std::size_t i = 0; i < result.planes[c].size(); ++i)
                     ASSERT_NEAR(result.planes[c][i], reference.planes[c][i],
-                                1e-5f * std::max(1.f, std::fabs(reference.planes[c][i])))
+                                3e-5f * std::max(1.f, std::fabs(reference.planes[c][i])))
                         << shader.abi->kernels[k].isa << " seed " << seed;
         }
     }
