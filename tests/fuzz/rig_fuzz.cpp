@@ -4,8 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "lights/bake.h"
 #include "relume/error.h"
 #include "relume/rig.h"
 #include "relume/shader.h"
@@ -48,10 +51,17 @@ void load(const std::string& text) {
 }
 
 /// One key at a time may leave a rig that waits for another: focal_length for its aperture, a point light for a
-/// position.
+/// position, a direction of length 0 for a better one.
 bool is_complete(const Rig& rig) {
-    for (const Light& light : rig.lights)
+    for (const Light& light : rig.lights) {
         if ((light.type == "point" || light.type == "spot") && !light.values.given("position")) return false;
+        try {
+            std::vector<std::string> warnings;
+            bake_light(light, std::nullopt, warnings);
+        } catch (const Error&) {
+            return false;
+        }
+    }
     return rig.gbuffer.focal_length.has_value() == rig.gbuffer.horizontal_aperture.has_value();
 }
 
