@@ -89,11 +89,14 @@ class FrameResult:
 
 
 def inputs_of(frame: Frame, rig: Rig) -> list[Path]:
-    """The files that the frame is made of: the G-buffer, and those that the rig takes channels from."""
+    """The files that the frame is made of: the G-buffer, and those that the rig takes channels and tables from."""
     files = [Path(frame.source)]
     for source in rig._rig.channel_sources().values():
         if source and Path(source).suffix:
             files.append(Path(resolve_frame(source, frame.number) if frame.number is not None else source))
+    for shader in rig.shader:
+        tables = (getattr(shader, row.name) for row in shader.parameters if row.type == "table")
+        files += [Path(name) for name in tables if isinstance(name, str) and name]
     return files
 
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import random
 import shutil
 import signal
@@ -17,7 +18,7 @@ import OpenEXR
 import pytest
 import relume
 from conftest import KEY, flat_channels, write_exr
-from relume.sequence import Frame, is_up_to_date, relight_frames
+from relume.sequence import Frame, inputs_of, is_up_to_date, relight_frames
 
 
 def frames_in(folder: Path, count: int) -> list[Frame]:
@@ -120,6 +121,20 @@ def test_keyed_rigs(shot: Path) -> None:
     assert rig.at(5).light["key"].exposure == 1.5
     with pytest.raises(relume.ParameterError, match=r"keys whose frames do not rise"):
         rig.light["key"].exposure = relume.Keys([(2, 0.0), (1, 1.0)])
+
+
+def test_a_table_is_an_input(shot: Path) -> None:
+    table = shot / "lobe.exr"
+    write_exr(table, {"Y": np.linspace(0, 1, 12, dtype=np.float32).reshape(3, 4)})
+    rig = relume.Rig.loads(
+        KEY + f"[[shader]]\nuse = 'cook_torrance'\ndistribution = 'texture'\ndistribution_table = '{table}'\n"
+    )
+    (frame, *_) = frames_in(shot, 1)
+    assert [r.status for r in relight_frames([frame], rig)] == ["done"]
+    assert table in inputs_of(frame, rig) and is_up_to_date(frame, rig)
+    later = frame.output.stat().st_mtime + 10
+    os.utime(table, (later, later))
+    assert not is_up_to_date(frame, rig)
 
 
 def test_killed_at_random_moments(shot: Path) -> None:

@@ -100,8 +100,10 @@ def command(
                     on_progress=follower.progress,
                     on_result=follower.result,
                 )
-        except (KeyboardInterrupt, _Terminated):
+        except (KeyboardInterrupt, _Terminated) as stop:
             interrupted = True
+            # With those that ended while the others were stopped.
+            follower.results = getattr(stop, "results", follower.results)
         except MISFITS as error:
             raise RigFailure(one_line(error)) from error
     follower.summary(interrupted)

@@ -43,6 +43,10 @@ def _task(
     return status, time.perf_counter() - start, report, None
 
 
+def _local_workers(workers: int | None) -> int:
+    return workers or max(1, (os.cpu_count() or 1) // 2)
+
+
 @contextmanager
 def _client(scheduler: str, workers: int | None, timeout: float) -> Iterator[Client]:
     try:
@@ -61,9 +65,10 @@ def _client(scheduler: str, workers: int | None, timeout: float) -> Iterator[Cli
         with client:
             yield client
         return
-    count = workers or max(1, (os.cpu_count() or 1) // 2)
     with (
-        LocalCluster(n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
+        LocalCluster(
+            n_workers=_local_workers(workers), threads_per_worker=1, processes=True, dashboard_address=None
+        ) as cluster,
         Client(cluster) as client,
     ):
         yield client
@@ -107,8 +112,7 @@ def relight_frames(
         from distributed import as_completed
 
         if threads is None and scheduler == "local":
-            count = workers or max(1, (os.cpu_count() or 1) // 2)
-            threads = max(1, (os.cpu_count() or 1) // count)
+            threads = max(1, (os.cpu_count() or 1) // _local_workers(workers))
         text = str(rig)
         futures: dict[Any, Frame] = {}
         for frame in frames:
