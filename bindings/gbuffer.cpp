@@ -155,12 +155,12 @@ void bind_gbuffer(py::module_& module) {
     py::class_<GBuffer>(module, "GBuffer", "An understood G-buffer; relume.GBuffer is its face.")
         .def_static(
             "read",
-            [](const std::filesystem::path& path, const Rig& rig) {
+            [](const std::filesystem::path& path, const Rig& rig, int threads) {
                 const GBufferOptions options = rig.gbuffer;
                 const py::gil_scoped_release release;
-                return GBuffer::read(path, options);
+                return GBuffer::read(path, options, threads);
             },
-            py::arg("path"), py::arg("rig"), "With the options of the rig's [gbuffer] and [camera].")
+            py::arg("path"), py::arg("rig"), py::arg("threads"), "With the options of the rig's [gbuffer] and [camera].")
         .def_static("from_arrays", &from_arrays, py::arg("arrays"), py::arg("rig"),
                     "The arrays are not copied: keep them.")
         .def_property_readonly("data_window",

@@ -10,6 +10,8 @@ namespace relume::gbuffer {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t kThinning = 8;        ///< one sighting of so many makes the first guess
+constexpr std::size_t kWorthThinning = 1600;  ///< fewer sightings are taken all at once
 
 double squared_error(const Pinhole& p, std::span<const Sighting> sightings, std::span<const std::uint8_t> kept) {
     double sum = 0;
@@ -59,6 +61,15 @@ Vector<2> residual(const Pinhole& p, const Sighting& s) {
 /// Levenberg 1944, Marquardt 1963 on the reprojection error.
 void refine(Pinhole& p, std::span<const Sighting> sightings, std::span<const std::uint8_t> kept, bool free_lens,
             double aspect) {
+    if (sightings.size() >= kWorthThinning) {
+        // Most of the way goes by few of them; a step or two by all of them remain.
+        std::vector<Sighting> few;
+        for (std::size_t i = 0; i < sightings.size(); i += kThinning)
+            if (kept[i]) few.push_back(sightings[i]);
+        Pinhole guess = p;
+        refine(guess, few, std::vector<std::uint8_t>(few.size(), 1), free_lens, aspect);
+        if (squared_error(guess, sightings, kept) < squared_error(p, sightings, kept)) p = guess;
+    }
     double error = squared_error(p, sightings, kept);
     double damping = 1e-6;
     for (int iteration = 0; iteration < 60; ++iteration) {

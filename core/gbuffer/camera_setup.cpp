@@ -27,6 +27,23 @@ std::string format(const char* pattern, double a, double b = 0) {
     return text;
 }
 
+/// A given matrix with axes of unit length.
+std::array<double, 16> checked_pose(std::array<double, 16> m) {
+    for (const double v : m) {
+        if (!std::isfinite(v)) throw Error(ErrorKind::value, "camera matrix: a number that is not finite");
+    }
+    if (std::abs(m[12]) + std::abs(m[13]) + std::abs(m[14]) + std::abs(m[15] - 1) > 1e-6) {
+        throw Error(ErrorKind::value,
+                    "camera matrix: its last row is not 0 0 0 1; give it row by row, for column vectors");
+    }
+    for (std::size_t j = 0; j < 3; ++j) {
+        const double size = std::sqrt(m[j] * m[j] + m[4 + j] * m[4 + j] + m[8 + j] * m[8 + j]);
+        if (!(size > 1e-12)) throw Error(ErrorKind::value, "camera matrix: one of its axes has no length");
+        for (std::size_t i = 0; i < 3; ++i) m[4 * i + j] /= size;
+    }
+    return m;
+}
+
 struct GivenLens {
     Projection projection = Projection::perspective;
     double half_width = 0;
@@ -82,17 +99,17 @@ int own_space(const Camera& camera, double size) {
 
 class CameraSetup {
 public:
-    CameraSetup(GBuffer::Impl& impl, const GBufferOptions& options, const CameraSample& sample)
-        : impl_(impl), options_(options), sample_(sample) {}
+    CameraSetup(GBuffer::Impl& impl, const GBufferOptions& options, const CameraSample& sample, int threads)
+        : impl_(impl), options_(options), sample_(sample), threads_(threads) {}
 
     void run() {
         const std::optional<GivenLens> lens = given_lens(options_);
-        if (sample_.position >= 0) look_at_positions();
         if (!impl_.in_memory()) {
             readings_ = header_cameras(impl_.files.front().header, impl_.files.front().producer.producer,
                                        impl_.display_window, aspect());
             header_lens_ = header_lens(impl_.files.front().header);
         }
+        if (sample_.position >= 0) look_at_positions(lens);
         if (options_.camera_matrix) {
             from_matrix(lens);
         } else if (!from_header(lens) && !from_positions() && !from_options(lens)) {
@@ -113,23 +130,67 @@ public:
 private:
     double aspect() const { return static_cast<double>(impl_.pixel_aspect); }
 
-    void look_at_positions() {
+    void look_at_positions(const std::optional<GivenLens>& lens) {
+        look_at_samples();
+        if (seen_.size() < kLeastSightings) look_at_all();
+        const Semantic& position = *impl_.find("position");
+        if (position.detect_space && !is_seen_in_world_space(position, lens) && fitted()) judge_position_space();
+    }
+
+    /// Whether positions said to be in world space are, by a camera that was given or stands in the header.
+    bool is_seen_in_world_space(const Semantic& position, const std::optional<GivenLens>& lens) {
+        if (position.space != Space::world || seen_.size() < kLeastSightings) return false;
+        const auto sees = [&](const Camera& camera) {
+            return own_space(camera, scene_size()) == 0 && median_reprojection_error(camera, seen_) < kLargestError;
+        };
+        if (options_.camera_matrix) {
+            if (!lens) return false;
+            Camera camera;
+            camera.projection = lens->projection;
+            set_lens(camera, impl_.display_window, aspect(), lens->half_width);
+            camera.camera_to_world = checked_pose(*options_.camera_matrix);
+            return sees(camera);
+        }
+        return std::any_of(readings_.begin(), readings_.end(),
+                           [&](const HeaderCamera& reading) { return reading.has_lens && sees(reading.camera); });
+    }
+
+    /// Mean distance of the seen points from the origin.
+    double scene_size() const {
+        double size = 0;
+        for (const Sighting& s : seen_) size += length(s.point) / static_cast<double>(seen_.size());
+        return size;
+    }
+
+    void look_at_samples() {
         seen_ = sightings(impl_, sample_.rows, sample_.position, planar_depth_plane(sample_.depth));
+    }
+
+    /// Little of the picture may be surface.
+    void look_at_all() {
+        if (impl_.data_window.empty()) return;
+        std::vector<int> raws = impl_.find("position")->raws;
+        const Semantic* depth = impl_.find("depth");
+        if (depth) raws.push_back(depth->raws.front());
+        const std::vector<SampledRow> dense = sample_rows(impl_, raws, threads_, true);
+        seen_ = sightings(impl_, dense, 0, planar_depth_plane(depth ? 3 : -1));
+        seen_all_ = true;
+    }
+
+    /// The camera that the positions determine: a fit takes as long as all the rest, so it waits until it is asked for.
+    const std::optional<CameraFit>& fitted() {
+        if (fit_asked_ || sample_.position < 0) return fit_;
+        fit_asked_ = true;
         fit();
-        if (!fit_ && seen_.size() < kFewSightings && !impl_.data_window.empty()) {
-            // Little of the picture may be surface: look at all of it.
-            std::vector<int> raws = impl_.find("position")->raws;
-            const Semantic* depth = impl_.find("depth");
-            if (depth) raws.push_back(depth->raws.front());
-            const std::vector<SampledRow> dense = sample_rows(impl_, raws, true);
-            seen_ = sightings(impl_, dense, 0, planar_depth_plane(depth ? 3 : -1));
+        if (!fit_ && !seen_all_ && seen_.size() < kFewSightings) {
+            look_at_all();
             fit();
         }
         if (fit_ && !(fit_->median_error < kLargestError)) {
             why_ = format("the best pinhole camera misses the positions by %.3g pixels", fit_->median_error);
             fit_.reset();
         }
-        if (fit_) judge_position_space();
+        return fit_;
     }
 
     int planar_depth_plane(int plane) const {
@@ -142,10 +203,7 @@ private:
     /// Positions that put the camera at the origin, straight ahead, are in camera space whatever the table says.
     void judge_position_space() {
         Semantic& position = *impl_.find("position");
-        if (!position.detect_space) return;
-        double size = 0;
-        for (const Sighting& s : seen_) size += length(s.point) / static_cast<double>(seen_.size());
-        const int own = own_space(fit_->camera, size);
+        const int own = own_space(fit_->camera, scene_size());
         if (position.space == Space::camera && own == 0) {
             position.space = Space::world;
             position.sign = {1, 1, 1};
@@ -162,7 +220,7 @@ private:
     }
 
     void refit() {
-        seen_ = sightings(impl_, sample_.rows, sample_.position, planar_depth_plane(sample_.depth));
+        look_at_samples();
         fit();
     }
 
@@ -207,8 +265,8 @@ private:
     }
 
     /// A pose needs a lens: the header's own, the positions', the user's, or the usual one.
-    bool complete(Camera& camera, const std::optional<GivenLens>& lens, std::string& words) const {
-        if (fit_) {
+    bool complete(Camera& camera, const std::optional<GivenLens>& lens, std::string& words) {
+        if (fitted()) {
             take_lens(camera, fit_->camera);
             words = "; the lens is recovered from the positions";
         } else if (header_lens_) {
@@ -226,7 +284,7 @@ private:
     }
 
     bool from_positions() {
-        if (!fit_) {
+        if (!fitted()) {
             if (sample_.position >= 0) impl_.notes.push_back("no camera from the positions: " + why_);
             return false;
         }
@@ -266,15 +324,8 @@ private:
     }
 
     void from_matrix(const std::optional<GivenLens>& lens) {
-        const std::array<double, 16>& m = *options_.camera_matrix;
-        for (const double v : m) {
-            if (!std::isfinite(v)) throw Error(ErrorKind::value, "camera matrix: a number that is not finite");
-        }
-        if (std::abs(m[12]) + std::abs(m[13]) + std::abs(m[14]) + std::abs(m[15] - 1) > 1e-6) {
-            throw Error(ErrorKind::value,
-                        "camera matrix: its last row is not 0 0 0 1; give it row by row, for column vectors");
-        }
         Camera camera;
+        camera.camera_to_world = checked_pose(*options_.camera_matrix);
         std::string words;
         if (lens) {
             camera.projection = lens->projection;
@@ -283,7 +334,7 @@ private:
         } else {
             const auto with_lens =
                 std::find_if(readings_.begin(), readings_.end(), [](const auto& r) { return r.has_lens; });
-            if (!fit_ && with_lens != readings_.end()) {
+            if (with_lens != readings_.end() && !fitted()) {
                 take_lens(camera, with_lens->camera);
                 words = " was given; the lens is that of " + with_lens->reason;
             } else {
@@ -291,15 +342,9 @@ private:
                 words = " was given" + words;
             }
         }
-        camera.camera_to_world = m;
-        for (std::size_t j = 0; j < 3; ++j) {
-            const double size = std::sqrt(m[j] * m[j] + m[4 + j] * m[4 + j] + m[8 + j] * m[8 + j]);
-            if (!(size > 1e-12)) throw Error(ErrorKind::value, "camera matrix: one of its axes has no length");
-            for (std::size_t i = 0; i < 3; ++i) camera.camera_to_world[4 * i + j] /= size;
-        }
         impl_.camera = camera;
         impl_.camera_reason = "the matrix" + words;
-        if (fit_ && !in_camera_space()) {
+        if (seen_.size() >= kLeastSightings && !in_camera_space()) {
             const double error = median_reprojection_error(camera, seen_);
             if (!(error < 2)) {
                 impl_.notes.push_back(format(
@@ -447,17 +492,20 @@ private:
     GBuffer::Impl& impl_;
     const GBufferOptions& options_;
     const CameraSample& sample_;
+    const int threads_;
     std::vector<Sighting> seen_;
     std::optional<CameraFit> fit_;
     std::string why_;
+    bool fit_asked_ = false;
+    bool seen_all_ = false;
     std::vector<HeaderCamera> readings_;
     std::optional<HeaderLens> header_lens_;
 };
 
 }  // namespace
 
-void set_up_camera(GBuffer::Impl& impl, const GBufferOptions& options, const CameraSample& sample) {
-    CameraSetup(impl, options, sample).run();
+void set_up_camera(GBuffer::Impl& impl, const GBufferOptions& options, const CameraSample& sample, int threads) {
+    CameraSetup(impl, options, sample, threads).run();
 }
 
 }  // namespace relume::gbuffer

@@ -73,7 +73,7 @@ public:
         raws_.insert(raws_.end(), raws.begin(), raws.end());
         return first;
     }
-    void read() { rows = sample_rows(impl_, raws_); }
+    void read(int threads) { rows = sample_rows(impl_, raws_, threads); }
     /// Where these planes stand in each sampled row; empty when one of them is missing.
     std::vector<int> places(const std::vector<int>& raws) const {
         std::vector<int> found;
@@ -259,7 +259,7 @@ std::string interpretation(const Semantic& s) {
     return text;
 }
 
-void finish(GBuffer::Impl& impl, const GBufferOptions& options) {
+void finish(GBuffer::Impl& impl, const GBufferOptions& options, int threads) {
     Semantic* normal = impl.find("normal");
     const Semantic* position = impl.find("position");
     Semantic* tangent = impl.find("tangent");
@@ -275,7 +275,7 @@ void finish(GBuffer::Impl& impl, const GBufferOptions& options) {
     }
     const Semantic* base = impl.find("base_color");
     const int glossy_planes = base ? sample.want(base->glossy) : -1;
-    sample.read();
+    sample.read(threads);
 
     for (const auto& [semantic, planes] : {std::pair(normal, normal_planes), std::pair(tangent, tangent_planes)}) {
         if (!semantic) continue;
@@ -289,7 +289,7 @@ void finish(GBuffer::Impl& impl, const GBufferOptions& options) {
     const std::vector<int> coverage_planes = sample.places(impl.coverage.raws);
     if (normal_planes >= 0 && coverage_planes.size() == impl.coverage.raws.size())
         judge_normal_variance(impl, options, {sample.rows, static_cast<std::size_t>(normal_planes), coverage_planes});
-    set_up_camera(impl, options, {sample.rows, position_planes, depth_plane, normal_planes});
+    set_up_camera(impl, options, {sample.rows, position_planes, depth_plane, normal_planes}, threads);
 
     for (Semantic& s : impl.semantics) {
         s.info.interpretation = interpretation(s) + division(impl, s);

@@ -26,10 +26,16 @@ private:
 
 }  // namespace
 
-SourceFile open_file(const std::filesystem::path& path, std::int64_t max_pixels, bool color) {
-    if (is_other_image(path)) return open_other_image(path, color);
+io::ReadLimits read_limits(const GBufferOptions& options) {
     io::ReadLimits limits;
-    limits.max_pixels = max_pixels;
+    limits.max_pixels = options.max_pixels.value_or(limits.max_pixels);
+    limits.max_channels = options.max_channels.value_or(limits.max_channels);
+    limits.max_parts = options.max_parts.value_or(limits.max_parts);
+    return limits;
+}
+
+SourceFile open_file(const std::filesystem::path& path, const io::ReadLimits& limits, bool color) {
+    if (is_other_image(path)) return open_other_image(path, color);
     auto pixels = std::make_shared<ExrPixels>(io::ExrReader(path, limits));
     SourceFile file;
     file.path = path;
@@ -47,8 +53,8 @@ GBuffer::GBuffer(GBuffer&&) noexcept = default;
 GBuffer& GBuffer::operator=(GBuffer&&) noexcept = default;
 GBuffer::~GBuffer() = default;
 
-GBuffer GBuffer::read(const std::filesystem::path& path, const GBufferOptions& options) {
-    return GBuffer(gbuffer::understand(gbuffer::open_file(path, options.max_pixels), options));
+GBuffer GBuffer::read(const std::filesystem::path& path, const GBufferOptions& options, int threads) {
+    return GBuffer(gbuffer::understand(gbuffer::open_file(path, gbuffer::read_limits(options)), options, threads));
 }
 
 const Window& GBuffer::data_window() const { return impl_->data_window; }

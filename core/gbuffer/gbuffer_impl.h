@@ -152,22 +152,25 @@ std::vector<const Component*> components_for(const Layer& layer, Quantity quanti
 std::string interpretation(const Semantic& semantic);
 
 /// Understands an open file: its header, and a sparse sample of its pixels where that does not tell.
-std::unique_ptr<GBuffer::Impl> understand(SourceFile main, const GBufferOptions& options);
+std::unique_ptr<GBuffer::Impl> understand(SourceFile main, const GBufferOptions& options, int threads);
 
 /// Opens an EXR, or by set_image_reader() another kind of image. `color` says what it is wanted for.
 /// Errors: file, format.
-SourceFile open_file(const std::filesystem::path& path, std::int64_t max_pixels, bool color = false);
+SourceFile open_file(const std::filesystem::path& path, const io::ReadLimits& limits, bool color = false);
+
+/// What the options allow of a file.
+io::ReadLimits read_limits(const GBufferOptions& options);
 
 /// Lets a rule that the user gave override what the table says.
 void apply_rule(Semantic& semantic, const ChannelRule& rule);
 
 /// Settles what only pixels tell (encoding, transparency, the camera), then fills infos and notes. The last step of
 /// both read() and from_memory().
-void finish(GBuffer::Impl& impl, const GBufferOptions& options);
+void finish(GBuffer::Impl& impl, const GBufferOptions& options, int threads);
 
 struct CameraSample;
 /// Impl::camera and what hangs on it, from the options, the headers or the positions.
-void set_up_camera(GBuffer::Impl& impl, const GBufferOptions& options, const CameraSample& sample);
+void set_up_camera(GBuffer::Impl& impl, const GBufferOptions& options, const CameraSample& sample, int threads);
 
 /// The working space that the header states, by interop ID or chromaticities, and the reason; nothing when it states
 /// none.

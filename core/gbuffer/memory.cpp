@@ -45,7 +45,7 @@ GBuffer GBuffer::from_memory(int width, int height, const std::map<std::string, 
         throw Error(ErrorKind::value,
                     "G-buffer in memory: " + std::to_string(width) + "x" + std::to_string(height) + " pixels");
     }
-    if (std::int64_t{width} * height > options.max_pixels) {
+    if (std::int64_t{width} * height > gbuffer::read_limits(options).max_pixels) {
         throw Error(ErrorKind::value, "G-buffer in memory: " + std::to_string(width) + "x" + std::to_string(height) +
                                           " pixels are more than max_pixels allows");
     }
@@ -130,7 +130,7 @@ GBuffer GBuffer::from_memory(int width, int height, const std::map<std::string, 
         throw Error(ErrorKind::channel,
                     "G-buffer in memory: no normal channel; given are " + (names.empty() ? "none" : names));
     }
-    gbuffer::finish(*impl, options);
+    gbuffer::finish(*impl, options, 1);
     return GBuffer(std::move(impl));
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gbuffer/planes.h"
+#include "threads/workers.h"
 
 namespace relume::gbuffer {
 
@@ -68,54 +69,63 @@ std::vector<int> choose_rows(const Window& window, int chunk, bool in_memory, bo
     return rows;
 }
 
+/// Neighbouring `rows` of some planes, one SampledRow each.
+void sample_band(const GBuffer::Impl& impl, std::span<const int> raws, std::span<const int> rows,
+                 std::span<SampledRow> result) {
+    const Window& window = impl.data_window;
+    const auto width = static_cast<std::size_t>(window.width);
+    const int top = rows.front();
+    const int height = rows.back() - top + 1;
+    const std::size_t plane_size = width * static_cast<std::size_t>(height);
+    std::vector<ConstPlane> planes(raws.size());
+    std::vector<float> band(impl.in_memory() ? 0 : plane_size * raws.size());
+    for (std::size_t f = 0; f < impl.files.size(); ++f) {
+        std::vector<io::ReadTarget> targets;
+        for (std::size_t k = 0; k < raws.size(); ++k) {
+            const RawPlane& raw = impl.raws[static_cast<std::size_t>(raws[k])];
+            if (raw.memory.data || raw.address.file != static_cast<int>(f)) continue;
+            auto* data = reinterpret_cast<std::byte*>(band.data() + k * plane_size);
+            const Plane plane{data, PixelType::float32, 4, static_cast<std::ptrdiff_t>(width * 4)};
+            targets.push_back({raw.address.part, raw.address.channel, plane});
+            planes[k] = plane;
+        }
+        if (!targets.empty()) impl.files[f].pixels->read({window.x, top, window.width, height}, targets);
+    }
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        SampledRow& row = result[r];
+        row.y = rows[r];
+        row.planes.resize(raws.size());
+        for (std::size_t k = 0; k < raws.size(); ++k) {
+            row.planes[k].resize(width);
+            const RawPlane& raw = impl.raws[static_cast<std::size_t>(raws[k])];
+            const bool memory = raw.memory.data != nullptr;
+            gather(memory ? raw.memory : planes[k], memory ? row.y - window.y : row.y - top, 0, window.width,
+                   row.planes[k].data());
+        }
+    }
+}
+
 }  // namespace
 
-std::vector<SampledRow> sample_rows(const GBuffer::Impl& impl, std::span<const int> raws, bool dense) {
+std::vector<SampledRow> sample_rows(const GBuffer::Impl& impl, std::span<const int> raws, int threads, bool dense) {
     const Window& window = impl.data_window;
-    std::vector<SampledRow> result;
-    if (window.empty() || raws.empty()) return result;
+    if (window.empty() || raws.empty()) return {};
     const int chunk = chunk_rows(impl, raws);
     const std::vector<int> rows = choose_rows(window, chunk, impl.in_memory(), dense);
-    const auto width = static_cast<std::size_t>(window.width);
-
     // Rows of one chunk are read together, so that it is decoded once.
-    std::vector<float> band;
-    for (std::size_t first = 0; first < rows.size();) {
-        std::size_t last = first;
-        const int chunk_index = (rows[first] - window.y) / chunk;
-        while (last + 1 < rows.size() && (rows[last + 1] - window.y) / chunk == chunk_index) ++last;
-        const int top = rows[first];
-        const int height = rows[last] - top + 1;
-        const std::size_t plane_size = width * static_cast<std::size_t>(height);
-        std::vector<ConstPlane> planes(raws.size());
-        band.resize(plane_size * raws.size());
-        for (std::size_t f = 0; f < impl.files.size(); ++f) {
-            std::vector<io::ReadTarget> targets;
-            for (std::size_t k = 0; k < raws.size(); ++k) {
-                const RawPlane& raw = impl.raws[static_cast<std::size_t>(raws[k])];
-                if (raw.memory.data || raw.address.file != static_cast<int>(f)) continue;
-                auto* data = reinterpret_cast<std::byte*>(band.data() + k * plane_size);
-                const Plane plane{data, PixelType::float32, 4, static_cast<std::ptrdiff_t>(width * 4)};
-                targets.push_back({raw.address.part, raw.address.channel, plane});
-                planes[k] = plane;
-            }
-            if (!targets.empty()) impl.files[f].pixels->read({window.x, top, window.width, height}, targets);
-        }
-        for (std::size_t r = first; r <= last; ++r) {
-            SampledRow row;
-            row.y = rows[r];
-            row.planes.resize(raws.size());
-            for (std::size_t k = 0; k < raws.size(); ++k) {
-                row.planes[k].resize(width);
-                const RawPlane& raw = impl.raws[static_cast<std::size_t>(raws[k])];
-                const bool memory = raw.memory.data != nullptr;
-                gather(memory ? raw.memory : planes[k], memory ? row.y - window.y : row.y - top, 0, window.width,
-                       row.planes[k].data());
-            }
-            result.push_back(std::move(row));
-        }
-        first = last + 1;
+    std::vector<std::size_t> starts;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        if (r == 0 || (rows[r] - window.y) / chunk != (rows[r - 1] - window.y) / chunk) starts.push_back(r);
     }
+    starts.push_back(rows.size());
+    std::vector<SampledRow> result(rows.size());
+    const int bands = static_cast<int>(starts.size()) - 1;
+    parallel_for(bands, threads > 0 ? threads : default_threads(), nullptr, [&](int, int band) {
+        const std::size_t first = starts[static_cast<std::size_t>(band)];
+        const std::size_t last = starts[static_cast<std::size_t>(band) + 1];
+        sample_band(impl, raws, std::span(rows).subspan(first, last - first),
+                    std::span(result).subspan(first, last - first));
+    });
     return result;
 }
 

@@ -15,8 +15,9 @@ struct SampledRow {
 };
 
 /// Rows spread over the data window, read for the sake of detection: few chunks of the file, whatever its size.
-/// `dense` takes every chunk. The order is from top to bottom and depends on nothing but the windows.
-std::vector<SampledRow> sample_rows(const GBuffer::Impl& impl, std::span<const int> raws, bool dense = false);
+/// `dense` takes every chunk. The order is from top to bottom and depends on nothing but the windows. `threads` 0: all.
+std::vector<SampledRow> sample_rows(const GBuffer::Impl& impl, std::span<const int> raws, int threads,
+                                    bool dense = false);
 
 /// Sampled rows and where in them the first plane of a channel stands; negative when there is no such channel.
 struct CameraSample {

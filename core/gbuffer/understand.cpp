@@ -45,7 +45,7 @@ std::optional<std::pair<std::string, int>> ranked_name(std::string_view label) {
 
 class Understanding {
 public:
-    Understanding(SourceFile main, const GBufferOptions& options) : options_(options) {
+    Understanding(SourceFile main, const GBufferOptions& options, int threads) : options_(options), threads_(threads) {
         impl_->files.push_back(std::move(main));
     }
 
@@ -59,7 +59,7 @@ public:
         take_parameters();
         take_working_space();
         convert_decoded_colors();
-        finish(*impl_, options_);
+        finish(*impl_, options_, threads_);
         return std::move(impl_);
     }
 
@@ -121,9 +121,9 @@ private:
         }
         // Parts far apart may each be small.
         const std::int64_t width = right - left, height = bottom - top;
-        if (width <= 0 || height <= 0 || width > options_.max_pixels / height) {
+        if (width <= 0 || height <= 0 || width > read_limits(options_).max_pixels / height) {
             throw Error(ErrorKind::format, file(0).path.string() + ": its parts span " + std::to_string(width) + "x" +
-                                               std::to_string(height) + " pixels, more than max_pixels allows");
+                                               std::to_string(height) + " pixels, more than max_pixels of [gbuffer] allows");
         }
         impl_->data_window = {static_cast<int>(left), static_cast<int>(top), static_cast<int>(width),
                               static_cast<int>(height)};
@@ -147,7 +147,7 @@ private:
             const SourceFile& known = impl_->files[i];
             if (known.path == path && (known.integer_bits != 8 || known.decoded == color)) return static_cast<int>(i);
         }
-        SourceFile opened = open_file(path, options_.max_pixels, color);
+        SourceFile opened = open_file(path, read_limits(options_), color);
         const int index = static_cast<int>(impl_->files.size());
         for (Layer& layer : opened.layers) {
             for (Component& component : layer.components) component.address.file = index;
@@ -494,6 +494,7 @@ private:
     }
 
     const GBufferOptions& options_;
+    const int threads_;
     std::unique_ptr<GBuffer::Impl> impl_ = std::make_unique<GBuffer::Impl>();
     Choice choice_;
     std::set<const Layer*> used_;
@@ -504,8 +505,8 @@ private:
 
 }  // namespace
 
-std::unique_ptr<GBuffer::Impl> understand(SourceFile main, const GBufferOptions& options) {
-    return Understanding(std::move(main), options).run();
+std::unique_ptr<GBuffer::Impl> understand(SourceFile main, const GBufferOptions& options, int threads) {
+    return Understanding(std::move(main), options, threads).run();
 }
 
 }  // namespace relume::gbuffer

@@ -80,8 +80,8 @@ struct Header {
 /// Hostile files stop here, before anything is allocated.
 struct ReadLimits {
     std::int64_t max_pixels = std::int64_t{1} << 30;  ///< of one part's data window
-    int max_channels = 4096;                          ///< over all parts
-    int max_parts = 1024;
+    std::int64_t max_channels = 4096;                 ///< over all parts
+    std::int64_t max_parts = 1024;
 };
 
 /// Where one channel of a region goes.

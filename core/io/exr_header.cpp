@@ -169,7 +169,7 @@ void check_limits(const Header& header, const std::filesystem::path& path, std::
     const auto refuse = [&](const std::string& what) { throw Error(ErrorKind::format, path.string() + ": " + what); };
     const auto count = static_cast<std::int64_t>(header.parts.size());
     if (count > limits.max_parts) {
-        refuse(std::to_string(count) + " parts, more than the limit of " + std::to_string(limits.max_parts));
+        refuse(std::to_string(count) + " parts, more than the limit of " + std::to_string(limits.max_parts) + " (max_parts)");
     }
     std::int64_t channels = 0;
     for (std::size_t i = 0; i < header.parts.size(); ++i) {
@@ -179,10 +179,11 @@ void check_limits(const Header& header, const std::filesystem::path& path, std::
         const std::string size = std::to_string(window.width) + "x" + std::to_string(window.height) + " pixels";
         channels += static_cast<std::int64_t>(part.channels.size());
         if (channels > limits.max_channels) {
-            refuse("more than the limit of " + std::to_string(limits.max_channels) + " channels");
+            refuse("more than the limit of " + std::to_string(limits.max_channels) + " channels (max_channels)");
         }
         if (std::int64_t{window.width} * window.height > limits.max_pixels) {
-            refuse(label + "claims " + size + ", more than the limit of " + std::to_string(limits.max_pixels));
+            refuse(label + "claims " + size + ", more than the limit of " + std::to_string(limits.max_pixels) +
+                   " (max_pixels)");
         }
         if (!part.deep) {
             // A truncated file may hold less than its header says, but one that cannot hold a fraction of it is

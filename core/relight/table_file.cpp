@@ -30,7 +30,7 @@ std::vector<int> channels_of(const io::Part& part) {
 
 LookupTable read_table(const std::filesystem::path& path) {
     const auto refuse = [&](const std::string& why) { throw Error(ErrorKind::format, path.string() + ": " + why); };
-    const gbuffer::SourceFile file = gbuffer::open_file(path, kMostTexels);
+    const gbuffer::SourceFile file = gbuffer::open_file(path, {.max_pixels = kMostTexels});
     if (file.header.parts.empty() || file.header.parts[0].deep) refuse("has no flat picture to make a table of");
     const io::Part& part = file.header.parts[0];
     const std::vector<int> channels = channels_of(part);

@@ -37,6 +37,9 @@ template <class SomeRig, class Visit> void for_each_gbuffer_member(SomeRig& rig,
     visit("alpha", rig.gbuffer.alpha);
     visit("working_space", rig.gbuffer.working_space);
     visit("normal_variance", rig.gbuffer.normal_variance);
+    visit("max_pixels", rig.gbuffer.max_pixels);
+    visit("max_channels", rig.gbuffer.max_channels);
+    visit("max_parts", rig.gbuffer.max_parts);
 }
 
 template <class Options, class Visit> void for_each_camera_member(Options& o, Visit visit) {

@@ -65,6 +65,28 @@ constexpr Parameter kGBuffer[] = {
          "normal stands for several surfaces. \"auto\" (also when absent) asks the pixels; `relume inspect` says what was found.",
      .choices = "auto|on|off",
      .has_default = false},
+    {.name = "max_pixels",
+     .type = integer,
+     .min = 1,
+     .max = 1e15,
+     .label = "Most pixels",
+     .help = "A file whose header claims more pixels, in one part or as the frame, is refused before its pixels are read "
+             "(2^30 when absent).",
+     .has_default = false},
+    {.name = "max_channels",
+     .type = integer,
+     .min = 1,
+     .max = 1e9,
+     .label = "Most channels",
+     .help = "A file with more channels, over all its parts, is refused (4096 when absent).",
+     .has_default = false},
+    {.name = "max_parts",
+     .type = integer,
+     .min = 1,
+     .max = 1e9,
+     .label = "Most parts",
+     .help = "A file with more parts is refused (1024 when absent).",
+     .has_default = false},
 };
 
 constexpr Parameter kChannelRule[] = {

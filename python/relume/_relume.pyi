@@ -367,7 +367,9 @@ class GBuffer:
         The arrays are not copied: keep them.
         """
     @staticmethod
-    def read(path: os.PathLike[str] | str | bytes, rig: Rig) -> GBuffer:
+    def read(
+        path: os.PathLike[str] | str | bytes, rig: Rig, threads: typing.SupportsInt | typing.SupportsIndex
+    ) -> GBuffer:
         """
         With the options of the rig's [gbuffer] and [camera].
         """

@@ -98,8 +98,10 @@ class GBuffer:
         normal_variance: str | None = None,
         channels: ChannelRules | None = None,
         camera: ArrayLike | Mapping[str, object] | Camera | None = None,
+        max_pixels: int | None = None,
+        threads: int | None = None,
     ) -> GBuffer:
-        """Understand a file. Its headers are read now, its pixels when they are needed.
+        """Understand a file. Its headers and a few of its rows are read now, its pixels when they are needed.
 
         Args:
             path: an EXR, multilayer or multi-part. May be left out where the rig or ``channels`` name files.
@@ -115,6 +117,8 @@ class GBuffer:
                 JPEG, TIFF) are read by the package OpenImageIO: sRGB is decoded for colours of 8 bits, vectors are
                 0..1.
             camera: as in GBuffer(); for files whose header and positions have none.
+            max_pixels: a file that claims more is refused; 2^30 when neither this nor the rig says.
+            threads: how many; as many as the process may use when None.
 
         Raises:
             FileError: the file is missing or cannot be read.
@@ -123,6 +127,8 @@ class GBuffer:
             UnknownNameError: an argument that no rig knows.
         """
         options = _options(rig, part, view, alpha, working_space, normal_variance, channels, camera)
+        if max_pixels is not None:
+            options.gbuffer.max_pixels = max_pixels
         main = main_file(path, options)
         if frame is not None:
             from relume.frames import resolve_frame
@@ -136,7 +142,7 @@ class GBuffer:
         install_reader()
         result = cls.__new__(cls)
         result._arrays = {}
-        result._gbuffer = _relume.GBuffer.read(Path(main), options._rig)
+        result._gbuffer = _relume.GBuffer.read(Path(main), options._rig, _thread_count(threads))
         _check_camera(camera, result._gbuffer.camera)
         return result
 

@@ -123,7 +123,7 @@ def relight_frame(
 ) -> FrameReport:
     """Relight one frame into its file, by the rig of that frame. Raises what reading, shading and writing raise."""
     rig = _rig_of(frame, rig)
-    gbuffer = GBuffer.read(frame.source, rig=rig, frame=frame.number)
+    gbuffer = GBuffer.read(frame.source, rig=rig, frame=frame.number, threads=threads)
     return FrameReport.of(relight_file(gbuffer, rig, frame.output, threads, progress))
 
 

@@ -128,7 +128,8 @@ def run(repeats: int) -> None:
     """Prints figures and ratios."""
     WORK.mkdir(parents=True, exist_ok=True)
     exr, rig = WORK / "frame.exr", WORK / "frame.relume"
-    if not exr.exists():
+    source = Path(frame.__file__).stat().st_mtime
+    if not exr.exists() or exr.stat().st_mtime < source:
         make_frame(exr, *SIZE)
     rig.write_text(rig_text(16))
     threads = min(2, os.cpu_count() or 1)

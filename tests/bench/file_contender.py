@@ -35,7 +35,7 @@ def relume(exr: str, rig_path: str, out: str, threads: int, repeats: int) -> dic
     from relume import GBuffer, Rig, relight, relight_file
 
     rig = Rig.load(rig_path)
-    whole = best(lambda: relight_file(GBuffer.read(exr, rig=rig), rig, out, threads), repeats)
+    whole = best(lambda: relight_file(GBuffer.read(exr, rig=rig, threads=threads), rig, out, threads), repeats)
     gbuffer = GBuffer.read(exr, rig=rig)
     names = ("normal", "position", "base_color", "metallic", "roughness")
     read = best(lambda: gbuffer.load(*names, threads=threads), repeats)

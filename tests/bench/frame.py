@@ -12,16 +12,21 @@ CAMERA = np.array([[1, 0, 0, EYE[0]], [0, 1, 0, EYE[1]], [0, 0, 1, EYE[2]], [0, 
 
 def planes(width: int, height: int) -> dict[str, np.ndarray]:
     """Channels as (components, height, width) float32, deterministic and smooth, so that neighbours see the
-    same lights, as in a rendered picture."""
+    same lights, as in a rendered picture; positions are where the camera's rays say."""
     y, x = np.meshgrid(
         np.linspace(-1, 1, height, dtype=np.float32), np.linspace(-1, 1, width, dtype=np.float32), indexing="ij"
     )
     normal = np.stack([0.5 * np.sin(9 * x), 0.5 * np.cos(7 * y), np.ones_like(x)])
     normal /= np.sqrt((normal * normal).sum(axis=0))
+    # Rays through the pixels' centres, by unit of depth.
+    across = ((np.arange(width) + 0.5) * 2 / width - 1) * np.tan(np.radians(FOV / 2))
+    up = (height / width - (np.arange(height) + 0.5) * 2 / width) * np.tan(np.radians(FOV / 2))
+    depth = EYE[2] - 0.2 * np.sin(4.0 * x * y)
+    position = np.stack([EYE[0] + depth * across, EYE[1] + depth * up[:, None], EYE[2] - depth]).astype(np.float32)
     wave = [0.5 + 0.5 * np.sin((3 + k) * x + (5 - k) * y) for k in range(6)]
     return {
         "normal": normal,
-        "position": np.stack([2 * x, 1.2 * y, 0.2 * np.sin(4 * x * y)]),
+        "position": position,
         "base_color": np.stack(wave[:3]),
         "metallic": wave[3][None],
         "roughness": (0.1 + 0.9 * wave[4])[None],

@@ -132,7 +132,7 @@ TEST(HostileGBuffer, PartsFarApartAreRefused) {
     file.layers = gbuffer::index_layers(file.header, 0, "far");
     file.producer = gbuffer::detect_producer(file.header, file.layers);
     try {
-        gbuffer::understand(std::move(file), {});
+        gbuffer::understand(std::move(file), {}, 1);
         ADD_FAILURE();
     } catch (const Error& error) {
         EXPECT_EQ(error.kind(), ErrorKind::format);
@@ -154,7 +154,7 @@ TEST(HostileGBuffer, ThousandsOfLayersTakeNoTime) {
     file.header = header;
     file.layers = gbuffer::index_layers(file.header, 0, "many");
     file.producer = gbuffer::detect_producer(file.header, file.layers);
-    EXPECT_THROW(gbuffer::understand(std::move(file), {}), Error);
+    EXPECT_THROW(gbuffer::understand(std::move(file), {}, 1), Error);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     EXPECT_LT(took.count(), 5.0);
 }

@@ -7,10 +7,13 @@ import os
 import resource
 import shutil
 import struct
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+import relume
 from conftest import KEY, Ran, flat_channels, read_exr, run_relume, write_exr
 
 OLD = b"what was there before"
@@ -278,6 +281,32 @@ def test_absurd_windows(folder: Folder, window: tuple[int, int, int, int]) -> No
         resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))
 
     folder.refused(named="shot.exr", preexec_fn=limit)
+
+
+@pytest.mark.parametrize("limit", [None, 2**40])
+def test_claims_cost_no_memory(folder: Folder, limit: int | None) -> None:
+    """A kilobyte that claims 2³¹ pixels, below the limit or beyond it, is refused within 100 MB, Python and all."""
+    window = (0, 0, 65535, 32767)
+    data = _with_window(folder.gbuffer.read_bytes()[:1024], b"dataWindow", window)
+    folder.gbuffer.write_bytes(_with_window(data, b"displayWindow", window))
+    settings = [] if limit is None else ["--set", f"gbuffer.max_pixels={limit}"]
+    command = ["relight", folder.gbuffer, "--rig", folder.rig, "-o", folder.output, *settings]
+    process = subprocess.Popen([sys.executable, "-m", "relume.cli", *map(str, command)], stderr=subprocess.PIPE, text=True)
+    assert process.stderr is not None
+    error = process.stderr.read()
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    process.stderr.close()
+    assert process.returncode == 1 and "shot.exr" in error and "65536x32768" in error
+    assert usage.ru_maxrss < 100_000  # kB
+
+
+def test_limits_are_the_users(folder: Folder) -> None:
+    folder.refused("--set", "gbuffer.max_pixels=11", named="shot.exr", says="limit of 11 (max_pixels)")
+    folder.refused("--set", "gbuffer.max_channels=2", named="shot.exr", says="limit of 2 channels (max_channels)")
+    assert folder.relight("--set", "gbuffer.max_parts=1").code == 0
+    with pytest.raises(relume.FormatError, match="max_pixels"):
+        relume.GBuffer.read(folder.gbuffer, max_pixels=11)
 
 
 def test_one_bad_frame(folder: Folder) -> None:

@@ -57,7 +57,10 @@ struct GBufferOptions {
     std::optional<Projection> projection;
     std::optional<double> width;  ///< orthographic: world units across the display window
 
-    std::int64_t max_pixels = std::int64_t{1} << 30;
+    // Files that claim more are refused by their header alone.
+    std::optional<std::int64_t> max_pixels;    ///< of one part and of the frame; 2^30 when absent
+    std::optional<std::int64_t> max_channels;  ///< over all parts; 4096 when absent
+    std::optional<std::int64_t> max_parts;     ///< 1024 when absent
     bool operator==(const GBufferOptions&) const = default;
 };
 
@@ -113,7 +116,7 @@ public:
     /// Reads headers alone (and a sparse sample of pixels where detection needs it). `path` may be a multilayer or
     /// multi-part EXR; further files come through `options.channels`.
     /// Errors: file (missing), format (not an EXR, damaged), channel (no normal; ambiguous layer or view: names them).
-    static GBuffer read(const std::filesystem::path& path, const GBufferOptions& options = {});
+    static GBuffer read(const std::filesystem::path& path, const GBufferOptions& options = {}, int threads = 0);
 
     /// Channels in memory, row 0 at the top. All planes are `width` × `height`.
     static GBuffer from_memory(int width, int height, const std::map<std::string, MemoryChannel>& channels,
