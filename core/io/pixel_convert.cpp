@@ -65,6 +65,35 @@ __attribute__((target("avx2,f16c"))) std::size_t floats_to_halves_f16c(const std
     }
     return i;
 }
+
+// Every third of 24 values (every fourth of 32) stands in a lane of its own: blends and one permutation collect them.
+// Loads reach up to three values past the last one wanted, so the end of a run is left to the caller.
+__attribute__((target("avx2"))) std::size_t gather_triples_avx2(const std::byte* from, std::byte* to,
+                                                                std::size_t count) {
+    const __m256i order = _mm256_setr_epi32(0, 3, 6, 1, 4, 7, 2, 5);
+    std::size_t i = 0;
+    for (; i + 9 <= count; i += 8, from += 96) {
+        const auto* at = reinterpret_cast<const float*>(from);
+        const __m256 two = _mm256_blend_ps(_mm256_loadu_ps(at), _mm256_loadu_ps(at + 8), 0b10010010);
+        const __m256 all = _mm256_blend_ps(two, _mm256_loadu_ps(at + 16), 0b00100100);
+        _mm256_storeu_ps(reinterpret_cast<float*>(to + 4 * i), _mm256_permutevar8x32_ps(all, order));
+    }
+    return i;
+}
+
+__attribute__((target("avx2"))) std::size_t gather_quads_avx2(const std::byte* from, std::byte* to,
+                                                              std::size_t count) {
+    const __m256i order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
+    std::size_t i = 0;
+    for (; i + 9 <= count; i += 8, from += 128) {
+        const auto* at = reinterpret_cast<const float*>(from);
+        const __m256 low = _mm256_shuffle_ps(_mm256_loadu_ps(at), _mm256_loadu_ps(at + 8), 0);
+        const __m256 high = _mm256_shuffle_ps(_mm256_loadu_ps(at + 16), _mm256_loadu_ps(at + 24), 0);
+        const __m256 all = _mm256_shuffle_ps(low, high, _MM_SHUFFLE(2, 0, 2, 0));
+        _mm256_storeu_ps(reinterpret_cast<float*>(to + 4 * i), _mm256_permutevar8x32_ps(all, order));
+    }
+    return i;
+}
 #endif
 
 // Blocks of strided runs pass through a buffer of this many values, so that the conversions above always see
@@ -72,7 +101,15 @@ __attribute__((target("avx2,f16c"))) std::size_t floats_to_halves_f16c(const std
 constexpr std::size_t kBlock = 256;
 
 template <typename T> void gather(const std::byte* from, std::ptrdiff_t stride, std::byte* to, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i, from += stride) {
+    std::size_t i = 0;
+#if RELUME_IO_F16C
+    if constexpr (sizeof(T) == 4) {
+        if (has_f16c && stride == 12) i = gather_triples_avx2(from, to, count);
+        if (has_f16c && stride == 16) i = gather_quads_avx2(from, to, count);
+        from += static_cast<std::ptrdiff_t>(i) * stride;
+    }
+#endif
+    for (; i < count; ++i, from += stride) {
         store(to + i * sizeof(T), load<T>(from));
     }
 }
@@ -181,6 +218,11 @@ void convert_run(ConstRun from, Run to, std::size_t count) {
     const bool scatters = to.stride != to_size;
     if (!gathers && !scatters) {
         convert_contiguous(from.data, from.type, to.data, to.type, count);
+        return;
+    }
+    if (!scatters && from.type == to.type) {
+        from_size == 2 ? gather<std::uint16_t>(from.data, from.stride, to.data, count)
+                       : gather<std::uint32_t>(from.data, from.stride, to.data, count);
         return;
     }
     alignas(32) std::array<std::byte, kBlock * 4> source;

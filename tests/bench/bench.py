@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""./dev bench: the shading core (and bench_files.py: from file to file) against the bars, every ratio from one run.
+"""./dev bench: the shading core (and bench_files.py: from file to file, bench_sequences.py: the command line) against the bars, every ratio from one run.
 
 Each contender shades the same frame in a process of its own (tests/bench/contender.py), and all give the same picture,
 or the run fails. CPU times are of one thread and the best of several repeats; machines are noisy, ratios less so.
@@ -16,6 +16,7 @@ import sys
 from pathlib import Path
 
 import bench_files
+import bench_sequences
 
 ROOT = Path(__file__).resolve().parents[2]
 BENCH_VENV = ROOT / ".venv-bench"
@@ -85,14 +86,16 @@ def cpu_name() -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", nargs="?", choices=("core", "files"), help="one of them; both when absent")
+    parser.add_argument("what", nargs="?", choices=("core", "files", "sequences"), help="one of them; all when absent")
     parser.add_argument("--json", type=Path, help="write the figures to this file as well")
     parser.add_argument("--repeats", type=int, default=7)
     options = parser.parse_args()
-    if options.what != "files":
+    if options.what in (None, "core"):
         core(options)
-    if options.what != "core":
+    if options.what in (None, "files"):
         bench_files.run(options.repeats)
+    if options.what in (None, "sequences"):
+        bench_sequences.run(options.repeats)
 
 
 def core(options: argparse.Namespace) -> None:

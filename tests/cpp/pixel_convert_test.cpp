@@ -143,6 +143,25 @@ TEST(PixelConvert, FloatToUnsignedSaturates) {
     EXPECT_EQ(uints, expected);
 }
 
+// Arrays as large as their pixels, so that a sanitizer sees a load beyond them.
+TEST(PixelConvert, InterleavedRunsStayWithinTheirArray) {
+    for (const std::size_t components : {3u, 4u}) {
+        for (std::size_t count = 1; count < 40; ++count) {
+            std::vector<float> pixels(components * count);
+            for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<float>(i);
+            for (std::size_t c = 0; c < components; ++c) {
+                std::vector<float> plane(count);
+                convert_run({std::as_bytes(std::span(pixels)).data() + 4 * c, PixelType::float32,
+                             static_cast<std::ptrdiff_t>(4 * components)},
+                            {std::as_writable_bytes(std::span(plane)).data(), PixelType::float32, 4}, count);
+                for (std::size_t i = 0; i < count; ++i) {
+                    ASSERT_EQ(plane[i], static_cast<float>(i * components + c)) << components << " " << count;
+                }
+            }
+        }
+    }
+}
+
 TEST(PixelConvert, StridedRunsOfEveryPairOfTypes) {
     constexpr std::size_t kCount = 700;  // several blocks, and a rest
     constexpr PixelType kTypes[] = {PixelType::half, PixelType::float32, PixelType::uint32};
@@ -158,7 +177,8 @@ TEST(PixelConvert, StridedRunsOfEveryPairOfTypes) {
     for (const PixelType from : kTypes) {
         for (const PixelType to : kTypes) {
             for (const std::ptrdiff_t from_stride :
-                 {static_cast<std::ptrdiff_t>(size_of(from)), std::ptrdiff_t{7}, std::ptrdiff_t{-12}}) {
+                 {static_cast<std::ptrdiff_t>(size_of(from)), std::ptrdiff_t{7}, std::ptrdiff_t{-12}, std::ptrdiff_t{12},
+                  std::ptrdiff_t{16}}) {
                 for (const std::ptrdiff_t to_stride :
                      {static_cast<std::ptrdiff_t>(size_of(to)), std::ptrdiff_t{13}, std::ptrdiff_t{-6}}) {
                     std::vector<std::byte> source(kCount * 16, std::byte{0xee});

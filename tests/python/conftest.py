@@ -79,6 +79,24 @@ def run_relume(*arguments: object, **settings: Any) -> Ran:
     return Ran(done.returncode, done.stdout, done.stderr)
 
 
+# A process's peak counts what its parent held when it was forked: a small parent between.
+_WATCHED = """
+import os, sys
+child = os.spawnv(os.P_NOWAIT, sys.argv[1], sys.argv[1:])
+_, status, usage = os.wait4(child, 0)
+print(usage.ru_maxrss)
+sys.exit(os.waitstatus_to_exitcode(status))
+"""
+
+
+def run_for_memory(*arguments: object) -> tuple[Ran, int]:
+    """`relume` as a program of its own, and its peak resident set in bytes."""
+    command = [sys.executable, "-c", _WATCHED, sys.executable, "-m", "relume.cli", *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    *out, peak = done.stdout.splitlines()
+    return Ran(done.returncode, "\n".join(out), done.stderr), 1024 * int(peak)
+
+
 @pytest.fixture(scope="session")
 def sdf(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The built-in scene sdf, small."""

@@ -7,14 +7,12 @@ import os
 import resource
 import shutil
 import struct
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 import relume
-from conftest import KEY, Ran, flat_channels, read_exr, run_relume, write_exr
+from conftest import KEY, Ran, flat_channels, read_exr, run_for_memory, run_relume, write_exr
 
 OLD = b"what was there before"
 
@@ -290,15 +288,9 @@ def test_claims_cost_no_memory(folder: Folder, limit: int | None) -> None:
     data = _with_window(folder.gbuffer.read_bytes()[:1024], b"dataWindow", window)
     folder.gbuffer.write_bytes(_with_window(data, b"displayWindow", window))
     settings = [] if limit is None else ["--set", f"gbuffer.max_pixels={limit}"]
-    command = ["relight", folder.gbuffer, "--rig", folder.rig, "-o", folder.output, *settings]
-    process = subprocess.Popen([sys.executable, "-m", "relume.cli", *map(str, command)], stderr=subprocess.PIPE, text=True)
-    assert process.stderr is not None
-    error = process.stderr.read()
-    _, status, usage = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    process.stderr.close()
-    assert process.returncode == 1 and "shot.exr" in error and "65536x32768" in error
-    assert usage.ru_maxrss < 100_000  # kB
+    ran, peak = run_for_memory("relight", folder.gbuffer, "--rig", folder.rig, "-o", folder.output, *settings)
+    check_refusal(ran, "shot.exr", 1, "65536x32768")
+    assert peak < 100e6
 
 
 def test_limits_are_the_users(folder: Folder) -> None:

@@ -17,7 +17,7 @@ import numpy as np
 import OpenEXR
 import pytest
 import relume
-from conftest import KEY, flat_channels, read_exr, run_relume, write_exr
+from conftest import KEY, flat_channels, read_exr, run_for_memory, run_relume, write_exr
 
 
 @pytest.fixture
@@ -255,3 +255,18 @@ def test_progress_bar(shot: Path) -> None:
     assert "100%" in shown and "4/4" in shown
     assert "frame 1003" in shown
     assert "3 of 4 frames relit" in shown and "1 failed: 1003" in shown
+
+
+def test_memory_is_that_of_bands(tmp_path: Path) -> None:
+    """A frame of 8192×1024 holds 340 MB of channels alone; it passes through in bands, whatever comes out."""
+    write_exr(tmp_path / "large.exr", flat_channels(1024, 8192))
+    peaks = []
+    for aovs in ([], ["diffuse", "specular", "light:key"]):
+        rig = tmp_path / "rig.relume"
+        rig.write_text(f"{KEY}[output]\naovs = {aovs}\n")
+        ran, peak = run_for_memory("relight", tmp_path / "large.exr", "--rig", rig, "-o", tmp_path / "out.exr", "--quiet")
+        assert ran.code == 0, ran
+        peaks.append(peak)
+    assert peaks[0] < 150e6
+    # Four planes of bands more, of each of two threads or more.
+    assert peaks[1] < peaks[0] + 50e6
