@@ -38,7 +38,11 @@ struct Worker {
 class Frame {
 public:
     Frame(const GBuffer& gbuffer, const Rig& rig, const RelightOptions& options)
-        : plan(gbuffer, rig), reader(gbuffer, plan.requests), window(gbuffer.data_window()), options_(options) {
+        : plan(gbuffer, rig),
+          reader(gbuffer, plan.requests),
+          window(gbuffer.data_window()),
+          gbuffer_(gbuffer),
+          options_(options) {
         if (options.threads < 0)
             throw Error(ErrorKind::value, "threads must be 0 (all) or more, not " + std::to_string(options.threads));
         if (window.empty())
@@ -72,6 +76,8 @@ public:
             for (const auto& [name, count] : worker->pass.nonfinite) report.nonfinite[name] += count;
         }
         report.pixels = static_cast<std::int64_t>(window.width) * window.height;
+        for (const auto& [name, count] : report.nonfinite)
+            if (count > 0 && count >= report.shaded) refuse_blank(name, count);
         report.warnings = plan.warnings;
         report.seconds = std::chrono::duration<double>(Clock::now() - start_).count();
     }
@@ -82,6 +88,15 @@ public:
     RelightReport report;
 
 private:
+    /// A frame that a renderer filled with NaN is no picture, black as it would come out.
+    [[noreturn]] void refuse_blank(const std::string& name, std::int64_t count) const {
+        const ChannelInfo* info = gbuffer_.find(name);
+        const std::string file = info != nullptr && !info->file.empty() ? info->file + ": " : "";
+        throw Error(ErrorKind::format, file + name + " is NaN or infinite in all " + std::to_string(count) +
+                                           " pixels that hold a surface: nothing is left to light; render the frame "
+                                           "again");
+    }
+
     void shade_rows(Worker& worker, int y, int rows, const std::vector<Target>& targets, bool stream) {
         std::vector<Target> at = targets;
         for (int row = 0; row < rows; ++row) {
@@ -99,6 +114,7 @@ private:
         }
     }
 
+    const GBuffer& gbuffer_;
     const RelightOptions& options_;
     const Clock::time_point start_ = Clock::now();
 };

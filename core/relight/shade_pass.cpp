@@ -208,12 +208,17 @@ void ShadePass::run_gathered(const ShaderBinding& binding, const LightGroup& gro
 
 void ShadePass::count_nonfinite(std::span<const float* const> planes, int count) {
     std::map<std::string, std::vector<bool>> bad;
+    // What stands behind the surfaces (positions at infinity) does not matter. A normal of NaN is no background.
+    const auto surface = [&](int i) {
+        const auto n = [&](int k) { return planes[static_cast<std::size_t>(plan_.normal + k)][i]; };
+        return plan_.normal < 0 || !(n(0) * n(0) + n(1) * n(1) + n(2) * n(2) <= 1e-12f);
+    };
     const auto look = [&](int plane, int components) {
         if (plane < 0) return;
         for (int k = 0; k < components; ++k) {
             const float* values = planes[static_cast<std::size_t>(plane + k)];
             for (int i = 0; i < count; ++i) {
-                if (finite(values[i])) continue;
+                if (finite(values[i]) || !surface(i)) continue;
                 auto& flags = bad[plan_.plane_names[static_cast<std::size_t>(plane)]];
                 flags.resize(static_cast<std::size_t>(count));
                 flags[static_cast<std::size_t>(i)] = true;

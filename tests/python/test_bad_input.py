@@ -301,23 +301,51 @@ def test_limits_are_the_users(folder: Folder) -> None:
         relume.GBuffer.read(folder.gbuffer, max_pixels=11)
 
 
+@pytest.mark.parametrize("channel", ["N.Y", "albedo.G", "P.X"])
+def test_nothing_but_nan(folder: Folder, channel: str) -> None:
+    """What a crashed renderer leaves is an error; NaN and infinity behind the surfaces are nobody's business."""
+    channels = flat_channels()
+    channels["N.Z"] = channels["N.Z"].copy()
+    channels["N.Z"][:2] = 0  # background
+    channels[channel] = np.full_like(channels[channel], np.nan)
+    write_exr(folder.gbuffer, channels)
+    pixels = 24 if channel == "N.Y" else 12
+    point = KEY.replace('"sun"', '"point"').replace("irradiance = 3.0", "intensity = 3.0").replace("direction", "position")
+    folder.rig.write_text(point)
+    folder.refused(named="shot.exr", says=f"in all {pixels} pixels")
+
+    channels = flat_channels()
+    channels["N.Z"] = channels["N.Z"].copy()
+    channels["N.Z"][:2] = 0
+    channels["P.X"] = channels["P.X"].copy()
+    channels["P.X"][:2] = np.inf
+    channels["P.X"][3, 3] = np.nan
+    write_exr(folder.gbuffer, channels)
+    ran = folder.relight()
+    assert ran.code == 0, ran
+    assert "1 pixel with NaN or infinity" in ran.err
+
+
 def test_one_bad_frame(folder: Folder) -> None:
     """The frame is named, the others are written, and its own old output stays."""
-    for frame in (1, 2, 3):
+    for frame in (1, 2, 3, 5):
         shutil.copy(folder.gbuffer, folder.path / f"shot.{frame:04d}.exr")
     (folder.path / "shot.0002.exr").write_bytes(b"broken")
     (folder.path / "out.0002.exr").write_bytes(OLD)
+    nan = {name: np.full_like(plane, np.nan) for name, plane in flat_channels().items()}
+    write_exr(folder.path / "shot.0006.exr", nan)
     source, output = folder.path / "shot.####.exr", folder.path / "out.####.exr"
-    ran = run_relume("relight", source, "--rig", folder.rig, "-o", output, "--frames", "1-4", "--quiet")
+    ran = run_relume("relight", source, "--rig", folder.rig, "-o", output, "--frames", "1-6", "--quiet")
     assert ran.code == 1
     lines = ran.err.strip().splitlines()
-    assert len(lines) == 2, ran.err
+    assert len(lines) == 3, ran.err
     assert "frame 2" in lines[0] and "shot.0002.exr" in lines[0]
     assert "frame 4" in lines[1] and "shot.0004.exr" in lines[1]
+    assert "frame 6" in lines[2] and "shot.0006.exr" in lines[2] and "NaN" in lines[2]
     assert (folder.path / "out.0002.exr").read_bytes() == OLD
-    for frame in (1, 3):
+    for frame in (1, 3, 5):
         assert read_exr(folder.path / f"out.{frame:04d}.exr")["R"].max() > 0
-    assert not (folder.path / "out.0004.exr").exists()
+    assert not (folder.path / "out.0004.exr").exists() and not (folder.path / "out.0006.exr").exists()
 
 
 @pytest.mark.parametrize(

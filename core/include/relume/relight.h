@@ -42,7 +42,8 @@ struct AovInfo {
 RELUME_API std::vector<AovInfo> aovs(const Rig& rig);
 
 /// Relights into the caller's memory: for each AOV of aovs(rig) that `out` names, one plane per component over the
-/// data window, row 0 at the top, half or float32. Zero lights is an error (rig).
+/// data window, row 0 at the top, half or float32. Zero lights is an error (rig), and so is a channel that is NaN or
+/// infinite in every pixel that holds a surface (format).
 RELUME_API RelightReport relight(const GBuffer& gbuffer, const Rig& rig,
                                  const std::map<std::string, std::vector<Plane>>& out,
                                  const RelightOptions& options = {});
