@@ -160,7 +160,8 @@ void bind_gbuffer(py::module_& module) {
                 const py::gil_scoped_release release;
                 return GBuffer::read(path, options, threads);
             },
-            py::arg("path"), py::arg("rig"), py::arg("threads"), "With the options of the rig's [gbuffer] and [camera].")
+            py::arg("path"), py::arg("rig"), py::arg("threads"),
+            "With the options of the rig's [gbuffer] and [camera].")
         .def_static("from_arrays", &from_arrays, py::arg("arrays"), py::arg("rig"),
                     "The arrays are not copied: keep them.")
         .def_property_readonly("data_window",

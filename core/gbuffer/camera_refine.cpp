@@ -10,7 +10,7 @@ namespace relume::gbuffer {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t kThinning = 8;        ///< one sighting of so many makes the first guess
+constexpr std::size_t kThinning = 8;          ///< one sighting of so many makes the first guess
 constexpr std::size_t kWorthThinning = 1600;  ///< fewer sightings are taken all at once
 
 double squared_error(const Pinhole& p, std::span<const Sighting> sightings, std::span<const std::uint8_t> kept) {

@@ -123,7 +123,8 @@ private:
         const std::int64_t width = right - left, height = bottom - top;
         if (width <= 0 || height <= 0 || width > read_limits(options_).max_pixels / height) {
             throw Error(ErrorKind::format, file(0).path.string() + ": its parts span " + std::to_string(width) + "x" +
-                                               std::to_string(height) + " pixels, more than max_pixels of [gbuffer] allows");
+                                               std::to_string(height) +
+                                               " pixels, more than max_pixels of [gbuffer] allows");
         }
         impl_->data_window = {static_cast<int>(left), static_cast<int>(top), static_cast<int>(width),
                               static_cast<int>(height)};

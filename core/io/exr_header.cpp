@@ -169,7 +169,8 @@ void check_limits(const Header& header, const std::filesystem::path& path, std::
     const auto refuse = [&](const std::string& what) { throw Error(ErrorKind::format, path.string() + ": " + what); };
     const auto count = static_cast<std::int64_t>(header.parts.size());
     if (count > limits.max_parts) {
-        refuse(std::to_string(count) + " parts, more than the limit of " + std::to_string(limits.max_parts) + " (max_parts)");
+        refuse(std::to_string(count) + " parts, more than the limit of " + std::to_string(limits.max_parts) +
+               " (max_parts)");
     }
     std::int64_t channels = 0;
     for (std::size_t i = 0; i < header.parts.size(); ++i) {

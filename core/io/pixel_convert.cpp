@@ -81,8 +81,7 @@ __attribute__((target("avx2"))) std::size_t gather_triples_avx2(const std::byte*
     return i;
 }
 
-__attribute__((target("avx2"))) std::size_t gather_quads_avx2(const std::byte* from, std::byte* to,
-                                                              std::size_t count) {
+__attribute__((target("avx2"))) std::size_t gather_quads_avx2(const std::byte* from, std::byte* to, std::size_t count) {
     const __m256i order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
     std::size_t i = 0;
     for (; i + 9 <= count; i += 8, from += 128) {

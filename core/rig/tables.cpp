@@ -70,8 +70,9 @@ constexpr Parameter kGBuffer[] = {
      .min = 1,
      .max = 1e15,
      .label = "Most pixels",
-     .help = "A file whose header claims more pixels, in one part or as the frame, is refused before its pixels are read "
-             "(2^30 when absent).",
+     .help =
+         "A file whose header claims more pixels, in one part or as the frame, is refused before its pixels are read "
+         "(2^30 when absent).",
      .has_default = false},
     {.name = "max_channels",
      .type = integer,

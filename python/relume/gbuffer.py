@@ -9,13 +9,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from relume import _relume
 from relume.errors import ArgumentError, ChannelError
 from relume.rig import Rig
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import ArrayLike, DTypeLike, NDArray
 
     from relume._relume import Camera, ChannelInfo
@@ -213,7 +212,7 @@ class GBuffer:
     def load(
         self,
         *names: str,
-        dtype: DTypeLike = np.float32,
+        dtype: DTypeLike = "float32",
         out: Mapping[str, NDArray[Any]] | None = None,
         threads: int | None = None,
     ) -> dict[str, NDArray[Any]]:
@@ -233,6 +232,8 @@ class GBuffer:
             ChannelError: there is none of that name.
             ArgumentError: an array of ``out`` has another shape or dtype.
         """
+        import numpy as np
+
         requests = [self._request(name) for name in names]
         given = dict(out or {})
         height, width = self.shape
@@ -292,6 +293,8 @@ class GBuffer:
         Raises:
             ChannelError: there is no Cryptomatte.
         """
+        import numpy as np
+
         coverage = np.empty(self.shape, np.float32)
         self._gbuffer.load([_relume.ChannelRequest.matte(list(patterns))], [coverage], 0)
         return coverage
@@ -310,6 +313,8 @@ def _thread_count(threads: int | None) -> int:
 
 
 def _without_copy(name: str, array: object) -> NDArray[Any]:
+    import numpy as np
+
     if isinstance(array, np.ndarray):
         return array
     # Lists would have to be converted, and a conversion that nobody sees is a copy that nobody wants.
@@ -359,6 +364,8 @@ def _options(
         else:
             options.camera.width = -2 * camera.x_offset
     elif camera is not None:
+        import numpy as np
+
         try:
             matrix = np.asarray(camera, dtype=np.float64)
         except (TypeError, ValueError):
@@ -373,6 +380,8 @@ def _check_camera(given: object, taken: Camera | None) -> None:
     """A camera of another G-buffer is handed on as a field of view, which says nothing of crops and lens shifts."""
     if not isinstance(given, _relume.Camera):
         return
+    import numpy as np
+
     lens = [(c.x_scale, c.x_offset, c.y_scale, c.y_offset) for c in (given, taken) if c is not None]
     if len(lens) < 2 or not np.allclose(lens[0], lens[1], rtol=1e-6, atol=1e-9):
         raise ArgumentError(

@@ -7,12 +7,11 @@ import functools
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from relume import _relume
 from relume.errors import FileError, FormatError, MissingPackageError
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
 
@@ -58,4 +57,6 @@ def read_image(path: Path) -> tuple[NDArray[np.float32], list[str], int]:
         image.close()
     # 1, 2 and 4 bits a pixel are as coarse as 8, and coded like them.
     bits = 8 if 0 < bits < 8 else bits
+    import numpy as np
+
     return np.asarray(pixels, np.float32).reshape(spec.height, spec.width, spec.nchannels), names, bits

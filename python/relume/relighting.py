@@ -8,8 +8,6 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from relume import _relume
 from relume.errors import ArgumentError, UnknownNameError
 from relume.gbuffer import GBuffer, _thread_count
@@ -104,6 +102,8 @@ def relight(
         RigError: the rig has no lights.
         ChannelError: a channel that a light or shader needs is missing.
     """
+    import numpy as np
+
     rig = _rig_of(rig)
     gbuffer = _gbuffer_of(gbuffer, rig)
     height, width = gbuffer.shape

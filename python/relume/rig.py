@@ -22,8 +22,6 @@ from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequenc
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import numpy as np
-
 from relume import _relume
 from relume.errors import Error, ParameterError, UnknownNameError
 from relume.images import install_reader
@@ -127,7 +125,11 @@ def _from_toml(row: Parameter | None, text: str) -> Any:
         numbers = value if isinstance(value, list) else [value] * 3
         return tuple(float(number) for number in numbers)
     if row.type == "table":
-        return value if isinstance(value, str) else np.asarray(value, np.float32)
+        if isinstance(value, str):
+            return value
+        import numpy as np
+
+        return np.asarray(value, np.float32)
     if row.type == "text_list":
         return value if isinstance(value, list) else [value]
     if row.type == "number_list":

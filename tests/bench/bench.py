@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""./dev bench: the shading core (and bench_files.py: from file to file, bench_sequences.py: the command line) against the bars, every ratio from one run.
+"""./dev bench: speed and memory against the bars, every ratio from one run: the shading core here, from file to file in
+bench_files.py, the command line in bench_sequences.py.
 
 Each contender shades the same frame in a process of its own (tests/bench/contender.py), and all give the same picture,
 or the run fails. CPU times are of one thread and the best of several repeats; machines are noisy, ratios less so.

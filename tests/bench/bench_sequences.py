@@ -72,7 +72,7 @@ def repeat_rows(source: Path, target: Path, times: int) -> None:
     header = bytearray(data[:table])
     for window in windows:
         struct.pack_into("<4i", header, window, x0, y0, x1, y0 + height * times - 1)
-    with open(target, "wb") as file:
+    with target.open("wb") as file:
         file.write(header)
         start = table + 8 * count * times
         for k in range(times):

@@ -176,9 +176,8 @@ TEST(PixelConvert, StridedRunsOfEveryPairOfTypes) {
     };
     for (const PixelType from : kTypes) {
         for (const PixelType to : kTypes) {
-            for (const std::ptrdiff_t from_stride :
-                 {static_cast<std::ptrdiff_t>(size_of(from)), std::ptrdiff_t{7}, std::ptrdiff_t{-12}, std::ptrdiff_t{12},
-                  std::ptrdiff_t{16}}) {
+            for (const std::ptrdiff_t from_stride : {static_cast<std::ptrdiff_t>(size_of(from)), std::ptrdiff_t{7},
+                                                     std::ptrdiff_t{-12}, std::ptrdiff_t{12}, std::ptrdiff_t{16}}) {
                 for (const std::ptrdiff_t to_stride :
                      {static_cast<std::ptrdiff_t>(size_of(to)), std::ptrdiff_t{13}, std::ptrdiff_t{-6}}) {
                     std::vector<std::byte> source(kCount * 16, std::byte{0xee});

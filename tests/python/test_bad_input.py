@@ -310,7 +310,9 @@ def test_nothing_but_nan(folder: Folder, channel: str) -> None:
     channels[channel] = np.full_like(channels[channel], np.nan)
     write_exr(folder.gbuffer, channels)
     pixels = 24 if channel == "N.Y" else 12
-    point = KEY.replace('"sun"', '"point"').replace("irradiance = 3.0", "intensity = 3.0").replace("direction", "position")
+    point = (
+        KEY.replace('"sun"', '"point"').replace("irradiance = 3.0", "intensity = 3.0").replace("direction", "position")
+    )
     folder.rig.write_text(point)
     folder.refused(named="shot.exr", says=f"in all {pixels} pixels")
 

@@ -45,6 +45,18 @@ print([name for name in ("numpy", "rich", "relume._relume") if name in sys.modul
     assert done.stdout.endswith("[]\n")
 
 
+def test_a_relight_needs_no_numpy(flat: Path, rig: Path, tmp_path: Path) -> None:
+    """From file to file no pixel is Python's, and numpy is most of the start-up's time."""
+    code = f"""
+import sys
+from relume.cli import run
+assert run(["relight", {str(flat)!r}, "--rig", {str(rig)!r}, "-o", {str(tmp_path / "out.exr")!r}, "--quiet"]) == 0
+print([name for name in ("numpy", "rich", "OpenImageIO") if name in sys.modules])
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.endswith("[]\n")
+
+
 def test_shaders() -> None:
     ran = run_relume("shaders")
     assert ran.code == 0

@@ -264,7 +264,9 @@ def test_memory_is_that_of_bands(tmp_path: Path) -> None:
     for aovs in ([], ["diffuse", "specular", "light:key"]):
         rig = tmp_path / "rig.relume"
         rig.write_text(f"{KEY}[output]\naovs = {aovs}\n")
-        ran, peak = run_for_memory("relight", tmp_path / "large.exr", "--rig", rig, "-o", tmp_path / "out.exr", "--quiet")
+        ran, peak = run_for_memory(
+            "relight", tmp_path / "large.exr", "--rig", rig, "-o", tmp_path / "out.exr", "--quiet"
+        )
         assert ran.code == 0, ran
         peaks.append(peak)
     assert peaks[0] < 150e6
