@@ -40,7 +40,7 @@ public:
     Frame(const GBuffer& gbuffer, const Rig& rig, const RelightOptions& options)
         : plan(gbuffer, rig),
           reader(gbuffer, plan.requests),
-          window(gbuffer.data_window()),
+          window(options.region.value_or(gbuffer.data_window())),
           gbuffer_(gbuffer),
           options_(options) {
         if (options.threads < 0)
@@ -48,12 +48,17 @@ public:
         if (window.empty())
             throw Error(ErrorKind::value, "the G-buffer has no pixels (" + std::to_string(window.width) + " × " +
                                               std::to_string(window.height) + ")");
+        const Window& data = gbuffer.data_window();
+        if (!contains(data, window)) throw Error(ErrorKind::value, "the region leaves the data window of the G-buffer");
+        top_ = data.y;
     }
 
     /// `rows_per_band` a multiple of what reader and writer like. `target_of(worker, y, rows)` gives the AOVs' targets,
     /// planes at the band's first pixel; `done(worker, y, rows)` is called after the band.
     template <class TargetOf, class Done> void run(int rows_per_band, TargetOf&& target_of, Done&& done, bool stream) {
-        const int bands = (window.height + rows_per_band - 1) / rows_per_band;
+        // Bands start where the reader's chunks do, also those of a region.
+        const int first = window.y - (window.y - top_) % rows_per_band;
+        const int bands = (window.y_end() - first + rows_per_band - 1) / rows_per_band;
         const int threads =
             std::clamp(options_.threads > 0 ? options_.threads : default_threads(), 1, std::max(1, bands));
         std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(threads));
@@ -61,8 +66,8 @@ public:
         parallel_for(bands, threads, options_.cancel, [&](int w, int band) {
             auto& worker = workers[static_cast<std::size_t>(w)];
             if (!worker) worker = std::make_unique<Worker>(plan);
-            const int y = window.y + band * rows_per_band;
-            const int rows = std::min(rows_per_band, window.y_end() - y);
+            const int y = std::max(window.y, first + band * rows_per_band);
+            const int rows = std::min(first + (band + 1) * rows_per_band, window.y_end()) - y;
             reader.load(y, rows, worker->scratch);
             const std::vector<Target> targets = target_of(*worker, y, rows);
             shade_rows(*worker, y, rows, targets, stream);
@@ -77,7 +82,7 @@ public:
         }
         report.pixels = static_cast<std::int64_t>(window.width) * window.height;
         for (const auto& [name, count] : report.nonfinite)
-            if (count > 0 && count >= report.shaded) refuse_blank(name, count);
+            if (count > 0 && count >= report.shaded && !options_.region) refuse_blank(name, count);
         report.warnings = plan.warnings;
         report.seconds = std::chrono::duration<double>(Clock::now() - start_).count();
     }
@@ -116,6 +121,7 @@ private:
 
     const GBuffer& gbuffer_;
     const RelightOptions& options_;
+    int top_ = 0;  ///< of the data window
     const Clock::time_point start_ = Clock::now();
 };
 
@@ -166,6 +172,7 @@ RelightReport relight(const GBuffer& gbuffer, const Rig& rig, const std::map<std
 
 RelightReport relight_to_file(const GBuffer& gbuffer, const Rig& rig, const std::filesystem::path& path,
                               const RelightOptions& options) {
+    if (options.region) throw Error(ErrorKind::value, "relight_to_file() writes the whole data window, no region");
     Frame frame(gbuffer, rig, options);
     const OutputLayout layout = output_layout(gbuffer, rig, frame.plan);
     io::ExrWriter writer(path, layout.header, layout.options);
