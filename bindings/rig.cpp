@@ -13,6 +13,7 @@
 #include "relume/error.h"
 #include "relume/light.h"
 #include "relume/relight.h"
+#include "rig/sections.h"
 
 namespace relume::python {
 
@@ -92,6 +93,10 @@ void bind_rig(py::module_& module) {
             "Names and components of the pictures that the rig makes, beauty first.")
 
         .def_readwrite("gbuffer_file", &Rig::gbuffer_file)
+        .def_readwrite("frame", &Rig::frame)
+        .def("of_frame", &Rig::of_frame, py::arg("frame"), "at(frame), with its number in the names of files.")
+        .def("main_file", &Rig::main_file, "The G-buffer's file, None when the rig names none.")
+        .def("input_files", &Rig::input_files, "Every file that the rig names.")
         .def(
             "channel_sources",
             [](const Rig& rig) {
@@ -113,23 +118,17 @@ void bind_rig(py::module_& module) {
         .def(
             "unset_gbuffer",
             [](Rig& rig, const std::string& key) {
-                if (key == "file") rig.gbuffer_file.reset();
-                if (key == "part") rig.gbuffer.part.reset();
-                if (key == "view") rig.gbuffer.view.reset();
-                if (key == "alpha") rig.gbuffer.alpha.reset();
-                if (key == "working_space") rig.gbuffer.working_space.reset();
-                if (key == "normal_variance") rig.gbuffer.normal_variance.reset();
+                rigfile::for_each_gbuffer_member(rig, [&](std::string_view name, auto& member) {
+                    if (name == key) member.reset();
+                });
             },
             py::arg("key"))
         .def(
             "unset_camera",
             [](Rig& rig, const std::string& key) {
-                if (key == "matrix") rig.gbuffer.camera_matrix.reset();
-                if (key == "fov") rig.gbuffer.fov.reset();
-                if (key == "focal_length") rig.gbuffer.focal_length.reset();
-                if (key == "horizontal_aperture") rig.gbuffer.horizontal_aperture.reset();
-                if (key == "projection") rig.gbuffer.projection.reset();
-                if (key == "width") rig.gbuffer.width.reset();
+                rigfile::for_each_camera_member(rig.gbuffer, [&](std::string_view name, auto& member) {
+                    if (name == key) member.reset();
+                });
             },
             py::arg("key"))
 

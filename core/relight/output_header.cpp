@@ -15,14 +15,6 @@ namespace relume {
 
 namespace {
 
-/// A layer's name from an AOV's: "light:key.001" becomes "light_key_001", since dots and colons mean something to
-/// readers.
-std::string layer_name(std::string name) {
-    for (char& c : name)
-        if (c == '.' || c == ':' || c == ' ') c = '_';
-    return name;
-}
-
 /// Which colours a part holds, or "data": the one attribute that Blender 5 and OpenImageIO want on every part.
 constexpr std::string_view kColorID = "colorInteropID";
 
@@ -107,6 +99,12 @@ std::string_view choice_name(const Rig& rig, std::string_view parameter) {
 }
 
 }  // namespace
+
+std::string layer_name(std::string name) {
+    for (char& c : name)
+        if (c == '.' || c == ':' || c == ' ') c = '_';
+    return name;
+}
 
 OutputLayout output_layout(const GBuffer& gbuffer, const Rig& rig, const Plan& plan) {
     OutputLayout out;

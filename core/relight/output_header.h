@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "io/exr.h"
@@ -27,5 +28,9 @@ struct OutputLayout {
 /// with metadata = "keep", the source's attributes carry over; Cryptomatte manifests do not, since their channels do
 /// not either.
 OutputLayout output_layout(const GBuffer& gbuffer, const Rig& rig, const Plan& plan);
+
+/// A layer's name from an AOV's: "light:key.001" becomes "light_key_001", since dots and colons mean something to
+/// readers.
+std::string layer_name(std::string name);
 
 }  // namespace relume

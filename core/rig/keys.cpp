@@ -30,11 +30,11 @@ void ParameterValues::resolve(double frame) {
     }
 }
 
-Rig Rig::at(double frame) const {
+Rig Rig::at(double number) const {
     Rig rig = *this;
-    for (Light& light : rig.lights) light.values.resolve(frame);
-    for (ShaderUse& shader : rig.shaders) shader.values.resolve(frame);
-    rig.output.values.resolve(frame);
+    for (Light& light : rig.lights) light.values.resolve(number);
+    for (ShaderUse& shader : rig.shaders) shader.values.resolve(number);
+    rig.output.values.resolve(number);
     return rig;
 }
 

@@ -32,6 +32,7 @@ void for_each_member(Options& o, Visit visit) requires std::is_same_v<std::remov
 /// [gbuffer]: its file is a member of the Rig itself.
 template <class SomeRig, class Visit> void for_each_gbuffer_member(SomeRig& rig, Visit visit) {
     visit("file", rig.gbuffer_file);
+    visit("frame", rig.frame);
     visit("part", rig.gbuffer.part);
     visit("view", rig.gbuffer.view);
     visit("alpha", rig.gbuffer.alpha);

@@ -105,7 +105,8 @@ class GBuffer:
         Args:
             path: an EXR, multilayer or multi-part. May be left out where the rig or ``channels`` name files.
             rig: its [gbuffer] and [camera] are heeded; the arguments below go before them.
-            frame: replaces ####, %04d or {frame} in the path and in the rig's and ``channels``' file names.
+            frame: replaces ####, %04d or {frame} in the path and in the rig's and ``channels``' file names; the rig's
+                own [gbuffer] frame when None.
             part: layer or part to take when the file holds several.
             view: "left", … of a stereo file.
             alpha: "premultiplied" or "straight".
@@ -129,13 +130,13 @@ class GBuffer:
         if max_pixels is not None:
             options.gbuffer.max_pixels = max_pixels
         main = main_file(path, options)
+        if frame is None:
+            frame = options._rig.frame
         if frame is not None:
             from relume.frames import resolve_frame
 
             main = resolve_frame(main, frame)
-            for name, source in options._rig.channel_sources().items():
-                if source is not None:
-                    options._rig.set_channel_source(name, resolve_frame(source, frame))
+            options._rig = options._rig.of_frame(frame)
         from relume.images import install_reader
 
         install_reader()
@@ -392,10 +393,7 @@ def _check_camera(given: object, taken: Camera | None) -> None:
 def main_file(path: str | os.PathLike[str] | None, options: Rig) -> str:
     if path is not None:
         return os.fspath(path)
-    if options._rig.gbuffer_file:
-        return options._rig.gbuffer_file
-    # One file per channel: the normal's carries the frame.
-    source = options._rig.channel_sources().get("normal")
-    if source and Path(source).suffix:
+    source = options._rig.main_file()
+    if source:
         return source
     raise ArgumentError("no file to read: give one, a rig with [gbuffer] file, or a file for the channel normal")

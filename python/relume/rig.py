@@ -487,7 +487,7 @@ class Channels(MutableMapping[str, ChannelRule]):
 
 
 class GBufferSection(Section):
-    """How the G-buffer is read: file, part, view, alpha, working_space, normal_variance, and ``channels``."""
+    """How the G-buffer is read: file, frame, part, view, alpha, …, limits, and ``channels``."""
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

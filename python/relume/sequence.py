@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Literal
 
 from relume._relume import ExrFile
 from relume.errors import Error, ParameterError, RigError
-from relume.frames import resolve_frame
 from relume.gbuffer import GBuffer
 from relume.relighting import relight_file
 
@@ -90,14 +89,8 @@ class FrameResult:
 
 def inputs_of(frame: Frame, rig: Rig) -> list[Path]:
     """The files that the frame is made of: the G-buffer, and those that the rig takes channels and tables from."""
-    files = [Path(frame.source)]
-    for source in rig._rig.channel_sources().values():
-        if source and Path(source).suffix:
-            files.append(Path(resolve_frame(source, frame.number) if frame.number is not None else source))
-    for shader in rig.shader:
-        tables = (getattr(shader, row.name) for row in shader.parameters if row.type == "table")
-        files += [Path(name) for name in tables if isinstance(name, str) and name]
-    return files
+    named = rig._rig if frame.number is None else rig._rig.of_frame(frame.number)
+    return [Path(frame.source), *(path for path in named.input_files() if str(path) != named.gbuffer_file)]
 
 
 def _rig_of(frame: Frame, rig: Rig) -> Rig:

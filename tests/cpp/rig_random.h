@@ -175,6 +175,10 @@ public:
     Rig rig() {
         Rig out;
         if (coin()) out.gbuffer_file = text();
+        if (coin(0.3)) out.frame = below(2000) - 500;
+        if (coin(0.3)) out.gbuffer.max_pixels = 1 + below(1 << 30);
+        if (coin(0.3)) out.gbuffer.max_channels = 1 + below(1 << 20);
+        if (coin(0.3)) out.gbuffer.max_parts = 1 + below(1 << 20);
         if (coin(0.3)) out.gbuffer.part = text();
         if (coin(0.3)) out.gbuffer.view = text();
         if (coin(0.3)) out.gbuffer.alpha = coin() ? AlphaMode::premultiplied : AlphaMode::straight;

@@ -111,6 +111,7 @@ public:
     /// The file's own path (for relative names and messages), empty for loads().
     std::filesystem::path path;
     std::optional<std::string> gbuffer_file;  ///< [gbuffer] file; relative names resolved as load() says, patterns kept
+    std::optional<std::int64_t> frame;        ///< [gbuffer] frame: that of a sequence, where nobody says which
     GBufferOptions gbuffer;                   ///< [gbuffer] and [camera]
     std::vector<Light> lights;                ///< names are unique
     std::vector<ShaderUse> shaders;
@@ -146,7 +147,14 @@ public:
     std::string to_toml() const;
 
     /// The rig of one frame: what is keyed has that frame's value.
-    Rig at(double frame) const;
+    Rig at(double number) const;
+    /// The same, with the frame's number in the names of files.
+    Rig of_frame(std::int64_t number) const;
+
+    /// The G-buffer's file: [gbuffer] file, else, where each channel has a file of its own, the normal's.
+    std::optional<std::string> main_file() const;
+    /// Every file that the rig names: the main one, those of channels and of tables.
+    std::vector<std::filesystem::path> input_files() const;
 
     /// Same contents; `path` is not compared.
     bool operator==(const Rig& other) const;

@@ -61,7 +61,8 @@ def command(
 ) -> int:
     """Relight GBUFFER (an EXR, or a sequence as shot.####.exr, shot.%04d.exr or shot.{frame}.exr).
 
-    GBUFFER may be left out where the rig names it. Without --frames every frame of a sequence that is on disk is relit.
+    GBUFFER may be left out where the rig names it. Without --frames that of the rig is relit, else every frame of a
+    sequence that is on disk.
     A frame that fails is named and the others go on; an output appears only when it is whole. After a stop or a kill
     the same command with --skip-existing goes on where it was.
 
@@ -138,7 +139,10 @@ def plan(source: str | None, rig: Rig, output: str, frames: str | None) -> list[
         jobs = [Frame(None, name, Path(output))]
     else:
         try:
-            numbers = parse_frames(frames) if frames is not None else find_frames(name)
+            if frames is not None:
+                numbers = parse_frames(frames)
+            else:
+                numbers = [rig._rig.frame] if rig._rig.frame is not None else find_frames(name)
         except Error as error:
             raise click.UsageError(str(error)) from None
         if not numbers:

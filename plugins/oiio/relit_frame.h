@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "io/exr.h"
+#include "relume/gbuffer.h"
+#include "relume/relight.h"
+#include "relume/rig.h"
+
+namespace relume::oiio {
+
+/// Rows of a strip, and the width of a tile: what is rendered at once at the least.
+inline constexpr int kTile = 64;
+
+/// One picture of a frame.
+struct Picture {
+    std::string name;  ///< as the layer or part that `relume relight` writes
+    int components = 3;
+};
+
+/// A rendered run of strips, all pictures of it.
+struct Block {
+    int first_row = 0;  ///< from the top of the data window
+    int rows = 0;
+    std::vector<std::vector<std::byte>> pictures;  ///< components interleaved, rows without gaps
+    std::size_t bytes = 0;
+};
+
+/// One frame's relight, rendered by strips where somebody asks for pixels. Thread-safe: what several threads ask for is
+/// rendered once, by the one that came first. A G-buffer's scanlines come in whole rows, so that a tile costs its row of
+/// tiles; the others of that row are then there.
+class RelitFrame {
+public:
+    /// Understands the G-buffer. Errors: those of GBuffer::read, and a rig that fits no frame.
+    RelitFrame(Rig rig, std::string key);
+
+    /// The frame of this rig: the one that is in memory, unless one of its files has changed since.
+    static std::shared_ptr<RelitFrame> get(Rig rig);
+
+    const std::vector<Picture>& pictures() const { return pictures_; }
+    PixelType type() const { return type_; }
+    const Window& window() const { return gbuffer_.data_window(); }
+    /// The header that `relume relight` would write, its first part: windows and metadata.
+    const io::Part& header() const { return header_; }
+    std::string_view working_space() const { return gbuffer_.working_space(); }
+
+    /// Pixels of [x, x_end) × [y, y_end) (of the data window, in its coordinates) of one picture, components interleaved,
+    /// into rows `stride` bytes apart. Errors: those of relight().
+    void read(int picture, int x, int x_end, int y, int y_end, std::byte* out, std::ptrdiff_t stride);
+
+    const std::string& key() const { return key_; }
+
+private:
+    friend class BlockCache;
+    std::shared_ptr<const Block> block_of(int strip);
+    std::shared_ptr<const Block> render(int first_strip, int strips);
+    std::size_t strip_bytes() const;
+
+    const std::string key_;
+    const Rig rig_;
+    const GBuffer gbuffer_;
+    io::Part header_;
+    std::vector<Picture> pictures_;
+    PixelType type_ = PixelType::half;
+
+    std::mutex mutex_;
+    std::condition_variable rendered_;
+    std::vector<std::weak_ptr<const Block>> strips_;  ///< held by the cache of blocks
+    std::vector<bool> busy_;                          ///< being rendered by some thread
+};
+
+/// Bytes of rendered pixels that are kept, over all frames: RELUME_CACHE_MB (1024) of the environment, as it was at the
+/// first read.
+std::size_t cache_limit();
+
+}  // namespace relume::oiio
