@@ -32,14 +32,12 @@ std::string key_of(const Rig& rig) {
 
 }  // namespace
 
-std::size_t cache_limit() {
-    static const std::size_t limit = [] {
-        std::size_t megabytes = 1024;
-        if (const char* text = std::getenv("RELUME_CACHE_MB"))
-            std::from_chars(text, text + std::strlen(text), megabytes);
-        return std::min(megabytes, std::size_t{1} << 30) << 20;
-    }();
-    return limit;
+namespace {
+
+std::size_t first_limit() {
+    std::size_t megabytes = 1024;
+    if (const char* text = std::getenv("RELUME_CACHE_MB")) std::from_chars(text, text + std::strlen(text), megabytes);
+    return std::min(megabytes, std::size_t{1} << 30) << 20;
 }
 
 /// The blocks of all frames, the least recently used thrown away first.
@@ -55,10 +53,7 @@ public:
         const std::scoped_lock lock(mutex_);
         bytes_ += block->bytes;
         blocks_.push_front(std::move(block));
-        while (bytes_ > cache_limit() && blocks_.size() > 1) {
-            bytes_ -= blocks_.back()->bytes;
-            blocks_.pop_back();
-        }
+        shrink();
     }
 
     void touch(const std::shared_ptr<const Block>& block) {
@@ -68,13 +63,34 @@ public:
         if (at != blocks_.end()) blocks_.splice(blocks_.begin(), blocks_, at);
     }
 
+    std::size_t limit() {
+        const std::scoped_lock lock(mutex_);
+        return limit_;
+    }
+    void set_limit(std::size_t bytes) {
+        const std::scoped_lock lock(mutex_);
+        limit_ = bytes;
+        shrink();
+    }
+    std::size_t bytes() {
+        const std::scoped_lock lock(mutex_);
+        return bytes_;
+    }
+
 private:
+    // A block may be larger than the limit: the one that is in use stays.
+    void shrink() {
+        while (bytes_ > limit_ && blocks_.size() > 1) {
+            bytes_ -= blocks_.back()->bytes;
+            blocks_.pop_back();
+        }
+    }
+
     std::mutex mutex_;
     std::list<std::shared_ptr<const Block>> blocks_;
     std::size_t bytes_ = 0;
+    std::size_t limit_ = first_limit();
 };
-
-namespace {
 
 /// The frames that were understood last.
 struct FrameCache {
@@ -88,6 +104,10 @@ struct FrameCache {
 };
 
 }  // namespace
+
+std::size_t cache_limit() { return BlockCache::instance().limit(); }
+void set_cache_limit(std::size_t bytes) { BlockCache::instance().set_limit(bytes); }
+std::size_t cached_bytes() { return BlockCache::instance().bytes(); }
 
 std::shared_ptr<RelitFrame> RelitFrame::get(Rig rig) {
     std::string key = key_of(rig);
@@ -146,6 +166,7 @@ std::shared_ptr<const Block> RelitFrame::render(int first_strip, int strips) {
     RelightOptions options;
     options.region = Window{window().x, window().y + block->first_row, window().width, block->rows};
     relight(gbuffer_, rig_, out, options);
+    rendered_rows_ += block->rows;
     return block;
 }
 

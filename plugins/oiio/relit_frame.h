@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstddef>
 #include <memory>
@@ -33,7 +34,7 @@ struct Block {
 };
 
 /// One frame's relight, rendered by strips where somebody asks for pixels. Thread-safe: what several threads ask for is
-/// rendered once, by the one that came first. A G-buffer's scanlines come in whole rows, so that a tile costs its row of
+/// rendered once, by the one that came first. A file's scanlines come in whole rows, so that a tile costs its row of
 /// tiles; the others of that row are then there.
 class RelitFrame {
 public:
@@ -55,10 +56,10 @@ public:
     void read(int picture, int x, int x_end, int y, int y_end, std::byte* out, std::ptrdiff_t stride);
 
     const std::string& key() const { return key_; }
+    /// Rows that were rendered so far, those that were thrown away and rendered again counted again.
+    std::int64_t rendered_rows() const { return rendered_rows_; }
 
 private:
-    friend class BlockCache;
-    std::shared_ptr<const Block> block_of(int strip);
     std::shared_ptr<const Block> render(int first_strip, int strips);
     std::size_t strip_bytes() const;
 
@@ -73,10 +74,13 @@ private:
     std::condition_variable rendered_;
     std::vector<std::weak_ptr<const Block>> strips_;  ///< held by the cache of blocks
     std::vector<bool> busy_;                          ///< being rendered by some thread
+    std::atomic<std::int64_t> rendered_rows_{0};
 };
 
-/// Bytes of rendered pixels that are kept, over all frames: RELUME_CACHE_MB (1024) of the environment, as it was at the
-/// first read.
+/// Bytes of rendered pixels that are kept, over all frames. At first RELUME_CACHE_MB of the environment, else 1024 MiB.
 std::size_t cache_limit();
+void set_cache_limit(std::size_t bytes);
+/// Bytes that are kept now.
+std::size_t cached_bytes();
 
 }  // namespace relume::oiio
