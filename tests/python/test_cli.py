@@ -14,7 +14,7 @@ import relume
 from conftest import KEY, flat_channels, run_relume, write_exr
 from relume import light_types, shaders
 
-COMMANDS = ["relight", "inspect", "png", "shaders", "lights", "rig", "scene", "demo", "doctor"]
+COMMANDS = ["relight", "inspect", "png", "shaders", "lights", "rig", "scene", "demo", "plugins", "doctor"]
 
 
 def test_version_and_help() -> None:

@@ -17,9 +17,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import relume
-from conftest import read_exr
+from conftest import read_exr, run_relume
+from relume.hosts import OpenImageIO, find_openimageio
 
-PLUGINS = Path(relume.__file__).parents[2] / "plugins" / "oiio"
+PLUGINS = Path(relume.__file__).parent / "oiio"
 RIG = """
 version = 1
 [gbuffer]
@@ -277,6 +278,21 @@ def test_a_channel_from_a_png(shot: Path) -> None:
     assert ran.returncode == 0, ran.stderr + ran.stdout
     for name in "RGB":
         np.testing.assert_array_equal(read_exr(shot / "oiio.exr")[name], read_exr(shot / "cli.exr")[name])
+
+
+def test_doctor_and_plugins_name_them() -> None:
+    ran = run_relume("doctor")
+    assert ran.code == 0, ran
+    for release in ("2.4 of the system", "3.2 of PyPI's OpenImageIO"):
+        [line] = [line for line in ran.out.splitlines() if release in line]
+        assert line.endswith("loads")
+    assert run_relume("plugins", "oiio").out.strip() == str(folder_of("2.4"))
+    assert run_relume("plugins", "oiio", "3.0").out.strip() == str(folder_of("3.0"))
+    assert "there are: 2.4, 3.0, 3.2" in run_relume("plugins", "oiio", "9.9").err
+    # The plugin of another release is told, not passed over as OpenImageIO itself does.
+    [system] = [found for found in find_openimageio() if found.owner == "the system"]
+    trouble = OpenImageIO(system.library, "3.0", "a test").trouble()
+    assert trouble is not None and "libOpenImageIO" in trouble
 
 
 @pytest.mark.parametrize("release", ["2.4", "3.0", "3.2"])

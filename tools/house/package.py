@@ -40,6 +40,7 @@ def make_wheel() -> Path:
     # The release preset's compilers and flags: ccache then has every object of the wheel already.
     environment |= {"CC": "gcc", "CXX": "g++"}
     settings = ["--no-deps", "--no-build-isolation", "--config-settings=cmake.define.RELUME_WERROR=ON"]
+    settings += ["--config-settings=cmake.define.RELUME_OIIO_RELEASES=ON"]
     settings += [f"--config-settings=build-dir={BUILD / 'wheel-cmake'}"]
     run(
         [PYTHON, "-m", "pip", "wheel", "-qq", *settings, "--wheel-dir", raw, "."],
@@ -47,7 +48,9 @@ def make_wheel() -> Path:
         what="building the wheel",
     )
     (wheel,) = raw.glob("*.whl")
-    output([PYTHON, "-m", "auditwheel", "repair", "--wheel-dir", repaired, wheel], env=environment)
+    # The plugins run in hosts that have these.
+    hosts = [f"--exclude={name}.so.*" for name in ("libOpenImageIO", "libOpenImageIO_Util")]
+    output([PYTHON, "-m", "auditwheel", "repair", *hosts, "--wheel-dir", repaired, wheel], env=environment)
     (wheel,) = repaired.glob("*.whl")
     return wheel
 

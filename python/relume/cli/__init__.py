@@ -27,6 +27,7 @@ _COMMANDS = {
     "farm": ("farm", "Describe a relight to a render farm."),
     "scene": ("scene", "Render a built-in scene into a G-buffer."),
     "demo": ("demo", "Make the built-in scenes, relight them, write pictures."),
+    "plugins": ("plugins", "Say where the plugins for other programs are."),
     "doctor": ("doctor", "Say what this installation can do, and what is wrong with it."),
 }
 

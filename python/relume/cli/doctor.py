@@ -37,7 +37,15 @@ def command() -> int:
     _instruction_sets(troubles)
     _packages(troubles)
     _plugins(troubles)
-    for name in ("RELUME_ISA", "RELUME_SHADER_PATH", "OCIO"):
+    _hosts(troubles)
+    for name in (
+        "RELUME_ISA",
+        "RELUME_SHADER_PATH",
+        "OCIO",
+        "OIIO_LIBRARY_PATH",
+        "OPENIMAGEIO_PLUGIN_PATH",
+        "RELUME_CACHE_MB",
+    ):
         if name in os.environ:
             click.echo(f"environment: {name}={os.environ[name]}")
     config = os.environ.get("OCIO")
@@ -101,3 +109,18 @@ def _plugins(troubles: list[str]) -> None:
     if not reports:
         why = "there are none on RELUME_SHADER_PATH" if path else "RELUME_SHADER_PATH is not set"
         click.echo(f"  no plugins: {why}")
+
+
+def _hosts(troubles: list[str]) -> None:
+    from relume.hosts import find_openimageio, oiio_plugin
+
+    click.echo("OpenImageIO, and the plugin that makes a rig an image there:")
+    found = find_openimageio()
+    for host in found:
+        plugin, trouble = oiio_plugin(host.release), host.trouble()
+        state = "no plugin for this release" if plugin is None else f"{plugin}: {trouble or 'loads'}"
+        click.echo(f"  {host.release} of {host.owner} ({host.library}): {state}")
+        if trouble:
+            troubles.append(f"{plugin}: does not load into {host.library}: {trouble}")
+    if not found:
+        click.echo("  none was found")
