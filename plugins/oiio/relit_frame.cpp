@@ -6,6 +6,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <list>
+#include <new>
+
+#include <sys/stat.h>
 
 #include "relight/output_header.h"
 #include "relight/plan.h"
@@ -22,10 +25,16 @@ constexpr std::size_t kFrames = 16;
 std::string key_of(const Rig& rig) {
     std::string key = rig.to_toml();
     for (const std::filesystem::path& path : rig.input_files()) {
-        std::error_code missing;
-        const auto time = std::filesystem::last_write_time(path, missing).time_since_epoch().count();
-        const auto size = std::filesystem::file_size(path, missing);
-        key += '\n' + path.string() + ' ' + std::to_string(time) + ' ' + std::to_string(size);
+        key += '\n' + path.string();
+        // Times alone are as coarse as the kernel's tick.
+        struct stat now = {};
+        if (::stat(path.c_str(), &now) != 0) continue;
+        for (const auto number :
+             {static_cast<std::int64_t>(now.st_dev), static_cast<std::int64_t>(now.st_ino),
+              static_cast<std::int64_t>(now.st_size), static_cast<std::int64_t>(now.st_mtim.tv_sec),
+              static_cast<std::int64_t>(now.st_mtim.tv_nsec), static_cast<std::int64_t>(now.st_ctim.tv_sec),
+              static_cast<std::int64_t>(now.st_ctim.tv_nsec)})
+            key += ' ' + std::to_string(number);
     }
     return key;
 }
@@ -146,22 +155,42 @@ std::size_t RelitFrame::strip_bytes() const {
     return components * size_of(type_) * static_cast<std::size_t>(window().width) * kTile;
 }
 
+namespace {
+
+constexpr std::size_t kAlignment = 64;
+
+/// Memory that is written before it is read, first touched by the threads that render into it.
+std::unique_ptr<std::byte, void (*)(std::byte*)> aligned_memory(std::size_t bytes) {
+    auto* const memory = static_cast<std::byte*>(::operator new (bytes, std::align_val_t{kAlignment}));
+    return {memory, [](std::byte* p) { ::operator delete (p, std::align_val_t{kAlignment}); }};
+}
+
+}  // namespace
+
 std::shared_ptr<const Block> RelitFrame::render(int first_strip, int strips) {
     auto block = std::make_shared<Block>();
     block->first_row = first_strip * kTile;
     block->rows = std::min(strips * kTile, window().height - block->first_row);
     std::map<std::string, std::vector<Plane>> out;
     const std::vector<AovInfo> names = aovs(rig_);
-    block->pictures.resize(pictures_.size());
+    const std::size_t value = size_of(type_);
+    const auto row_bytes = [&](const Picture& picture) {
+        return value * static_cast<std::size_t>(picture.components) * static_cast<std::size_t>(window().width);
+    };
+    // Each picture starts where the widest vectors like it.
+    for (const Picture& picture : pictures_)
+        block->bytes +=
+            (row_bytes(picture) * static_cast<std::size_t>(block->rows) + kAlignment - 1) / kAlignment * kAlignment;
+    block->memory = aligned_memory(block->bytes);
+    std::byte* at = block->memory.get();
     for (std::size_t p = 0; p < pictures_.size(); ++p) {
-        const std::size_t value = size_of(type_);
         const std::size_t pixel = value * static_cast<std::size_t>(pictures_[p].components);
-        const std::size_t row = pixel * static_cast<std::size_t>(window().width);
-        block->pictures[p].resize(row * static_cast<std::size_t>(block->rows));
-        block->bytes += block->pictures[p].size();
+        const std::size_t row = row_bytes(pictures_[p]);
+        block->pictures.push_back(at);
+        at += (row * static_cast<std::size_t>(block->rows) + kAlignment - 1) / kAlignment * kAlignment;
         for (std::size_t k = 0; k < static_cast<std::size_t>(pictures_[p].components); ++k)
-            out[names[p].name].push_back({block->pictures[p].data() + k * value, type_,
-                                          static_cast<std::ptrdiff_t>(pixel), static_cast<std::ptrdiff_t>(row)});
+            out[names[p].name].push_back({block->pictures[p] + k * value, type_, static_cast<std::ptrdiff_t>(pixel),
+                                          static_cast<std::ptrdiff_t>(row)});
     }
     RelightOptions options;
     options.region = Window{window().x, window().y + block->first_row, window().width, block->rows};
@@ -170,11 +199,14 @@ std::shared_ptr<const Block> RelitFrame::render(int first_strip, int strips) {
     return block;
 }
 
-void RelitFrame::read(int picture, int x, int x_end, int y, int y_end, std::byte* out, std::ptrdiff_t stride) {
-    const std::size_t pixel = size_of(type_) * static_cast<std::size_t>(pictures_[static_cast<std::size_t>(picture)].components);
+void RelitFrame::read(int picture, int x, int x_end, int y, int y_end, std::byte* out, std::ptrdiff_t stride,
+                      int ahead) {
+    const std::size_t pixel =
+        size_of(type_) * static_cast<std::size_t>(pictures_[static_cast<std::size_t>(picture)].components);
     const int top = y - window().y, bottom = y_end - window().y;
     // As many strips at once as a quarter of the cache holds.
-    const int most = static_cast<int>(std::clamp<std::size_t>(cache_limit() / 4 / std::max<std::size_t>(strip_bytes(), 1), 1, 1 << 20));
+    const int most = static_cast<int>(
+        std::clamp<std::size_t>(cache_limit() / 4 / std::max<std::size_t>(strip_bytes(), 1), 1, 1 << 20));
     for (int row = top; row < bottom;) {
         const int strip = row / kTile;
         std::shared_ptr<const Block> block;
@@ -186,7 +218,8 @@ void RelitFrame::read(int picture, int x, int x_end, int y, int y_end, std::byte
             block = strips_[s].lock();
             if (!block) {
                 // All of what this call wants that nobody has and nobody makes.
-                const int last = std::min((bottom - 1) / kTile + 1, strip + most);
+                const int last =
+                    std::min({(bottom - 1 + ahead) / kTile + 1, strip + most, static_cast<int>(strips_.size())});
                 for (int k = strip; k < last; ++k) {
                     const auto index = static_cast<std::size_t>(k);
                     if (busy_[index] || !strips_[index].expired()) break;
@@ -217,7 +250,7 @@ void RelitFrame::read(int picture, int x, int x_end, int y, int y_end, std::byte
         }
         const int end = std::min(bottom, block->first_row + block->rows);
         const auto row_bytes = pixel * static_cast<std::size_t>(window().width);
-        const std::byte* from = block->pictures[static_cast<std::size_t>(picture)].data() +
+        const std::byte* from = block->pictures[static_cast<std::size_t>(picture)] +
                                 static_cast<std::size_t>(row - block->first_row) * row_bytes +
                                 static_cast<std::size_t>(x - window().x) * pixel;
         for (; row < end; ++row, from += row_bytes)

@@ -29,8 +29,9 @@ struct Picture {
 struct Block {
     int first_row = 0;  ///< from the top of the data window
     int rows = 0;
-    std::vector<std::vector<std::byte>> pictures;  ///< components interleaved, rows without gaps
+    std::vector<std::byte*> pictures;  ///< components interleaved, rows without gaps; in `memory`
     std::size_t bytes = 0;
+    std::unique_ptr<std::byte, void (*)(std::byte*)> memory{nullptr, nullptr};
 };
 
 /// One frame's relight, rendered by strips where somebody asks for pixels. Thread-safe: what several threads ask for is
@@ -52,8 +53,9 @@ public:
     std::string_view working_space() const { return gbuffer_.working_space(); }
 
     /// Pixels of [x, x_end) × [y, y_end) (of the data window, in its coordinates) of one picture, components interleaved,
-    /// into rows `stride` bytes apart. Errors: those of relight().
-    void read(int picture, int x, int x_end, int y, int y_end, std::byte* out, std::ptrdiff_t stride);
+    /// into rows `stride` bytes apart. `ahead`: rows below them that will be asked for next, rendered along with them
+    /// where these are not there. Errors: those of relight().
+    void read(int picture, int x, int x_end, int y, int y_end, std::byte* out, std::ptrdiff_t stride, int ahead = 0);
 
     const std::string& key() const { return key_; }
     /// Rows that were rendered so far, those that were thrown away and rendered again counted again.

@@ -50,10 +50,11 @@ public:
         close();
         return guarded([&] {
             auto rig = relume::oiio::parse_name(name);
-            if (!rig) throw relume::Error(relume::ErrorKind::format, name + ": is no rig file; its name ends in .relume");
+            if (!rig)
+                throw relume::Error(relume::ErrorKind::format, name + ": is no rig file; its name ends in .relume");
             for (const OIIO::ParamValue& hint : config.extra_attribs)
-                if (OIIO::string_view hinted = hint.name(); hinted.size() > kPrefix.size() &&
-                                                            hinted.substr(0, kPrefix.size()) == kPrefix)
+                if (OIIO::string_view hinted = hint.name();
+                    hinted.size() > kPrefix.size() && hinted.substr(0, kPrefix.size()) == kPrefix)
                     rig->settings.emplace_back(std::string(hinted.substr(kPrefix.size())), setting_text(hint));
             relume::oiio::install_reader();
             frame_ = RelitFrame::get(relume::oiio::load_rig(*rig));
@@ -104,7 +105,8 @@ public:
     }
 
     // Hosts want the rows of [x, x_end) without gaps, whether or not that is whole tiles.
-    bool read_native_tiles(int subimage, int miplevel, int x, int x_end, int y, int y_end, int, int, void* data) override {
+    bool read_native_tiles(int subimage, int miplevel, int x, int x_end, int y, int y_end, int, int,
+                           void* data) override {
         const lock_guard lock(*this);
         if (!sought(subimage, miplevel)) return false;
         return read(x, std::min(x_end, m_spec.x + m_spec.width), y, std::min(y_end, m_spec.y + m_spec.height), data,
@@ -151,11 +153,21 @@ private:
             errorfmt("relume: pixels {}..{}, {}..{} do not lie in the data window", x, x_end, y, y_end);
             return false;
         }
-        return guarded([&] { frame_->read(picture_, x, x_end, y, y_end, static_cast<std::byte*>(data), stride); });
+        // Who reads whole rows from the top on will want the rest: as much ahead as was read already, so that a frame
+        // takes few renders and nobody pays for more than twice what was read.
+        const bool whole_rows = x == m_spec.x && x_end == m_spec.x + m_spec.width;
+        if (!whole_rows || y != next_row_) rows_read_ = 0;
+        const int ahead = rows_read_;
+        rows_read_ = whole_rows ? rows_read_ + (y_end - y) : 0;
+        next_row_ = y_end;
+        return guarded(
+            [&] { frame_->read(picture_, x, x_end, y, y_end, static_cast<std::byte*>(data), stride, ahead); });
     }
 
     std::shared_ptr<RelitFrame> frame_;
     int picture_ = -1;
+    int next_row_ = 0;   ///< below the rows that were read last
+    int rows_read_ = 0;  ///< whole rows without a gap, up to there
 };
 
 }  // namespace

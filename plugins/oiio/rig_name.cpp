@@ -92,8 +92,9 @@ Rig load_rig(const RigName& name) {
         throw Error(ErrorKind::value,
                     name.path.string() + ": names no G-buffer; write [gbuffer] file, or set gbuffer.file");
     if (!rig.frame && is_pattern(*main) && !std::filesystem::exists(*main))
-        throw Error(ErrorKind::value, name.path.string() + ": its G-buffer " + *main +
-                                          " is a sequence; say which frame: ?frame=N, relume:frame, or [gbuffer] frame");
+        throw Error(ErrorKind::value,
+                    name.path.string() + ": its G-buffer " + *main +
+                        " is a sequence; say which frame: ?frame=N, relume:frame, or [gbuffer] frame");
     return rig.frame ? rig.of_frame(*rig.frame) : rig;
 }
 

@@ -22,8 +22,8 @@ struct RigName {
 std::optional<RigName> parse_name(const std::string& name);
 
 /// The rig with the settings, of the frame that they, else the rig, say; "frame" is a setting beside the rig's keys.
-/// Errors: those of Rig::load and Rig::set; value where the G-buffer is a sequence and no frame is said, or the rig names
-/// no G-buffer.
+/// Errors: those of Rig::load and Rig::set; value where the G-buffer is a sequence and no frame is said, or the rig
+/// names no G-buffer.
 Rig load_rig(const RigName& name);
 
 }  // namespace relume::oiio

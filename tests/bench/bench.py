@@ -16,6 +16,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import bench_doors
 import bench_files
 import bench_sequences
 
@@ -87,7 +88,9 @@ def cpu_name() -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", nargs="?", choices=("core", "files", "sequences"), help="one of them; all when absent")
+    parser.add_argument(
+        "what", nargs="?", choices=("core", "files", "sequences", "doors"), help="one of them; all when absent"
+    )
     parser.add_argument("--json", type=Path, help="write the figures to this file as well")
     parser.add_argument("--repeats", type=int, default=7)
     options = parser.parse_args()
@@ -97,6 +100,8 @@ def main() -> None:
         bench_files.run(options.repeats)
     if options.what in (None, "sequences"):
         bench_sequences.run(options.repeats)
+    if options.what in (None, "doors"):
+        bench_doors.run(options.repeats)
 
 
 def core(options: argparse.Namespace) -> None:

@@ -54,6 +54,12 @@ def make_frame(path: Path, width: int, height: int) -> None:
         file.write(str(path))
 
 
+def need_frame(exr: Path) -> None:
+    """The frame, made again when what makes it has changed."""
+    if not exr.exists() or exr.stat().st_mtime < Path(frame.__file__).stat().st_mtime:
+        make_frame(exr, *SIZE)
+
+
 def rig_text(lights: int) -> str:
     """default_lit under the bench's point lights; `specular` is a constant, so that 11 channels are needed."""
     matrix = ", ".join(str(float(x)) for x in frame.CAMERA.ravel())
@@ -128,9 +134,7 @@ def run(repeats: int) -> None:
     """Prints figures and ratios."""
     WORK.mkdir(parents=True, exist_ok=True)
     exr, rig = WORK / "frame.exr", WORK / "frame.relume"
-    source = Path(frame.__file__).stat().st_mtime
-    if not exr.exists() or exr.stat().st_mtime < source:
-        make_frame(exr, *SIZE)
+    need_frame(exr)
     rig.write_text(rig_text(16))
     threads = min(2, os.cpu_count() or 1)
     print(f"3840×2160, ZIP, 12 half + 4 float channels, {exr.stat().st_size / 1e6:.0f} MB; 16 point lights; ms")

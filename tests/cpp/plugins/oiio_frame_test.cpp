@@ -35,8 +35,9 @@ TEST(RigName, IsTheFileAndItsSettings) {
 class RelitFrameTest : public testing::Test {
 protected:
     void SetUp() override {
-        folder_ = std::filesystem::temp_directory_path() /
-                  ("relume_oiio_" + std::to_string(::getpid()) + testing::UnitTest::GetInstance()->current_test_info()->name());
+        folder_ =
+            std::filesystem::temp_directory_path() / ("relume_oiio_" + std::to_string(::getpid()) +
+                                                      testing::UnitTest::GetInstance()->current_test_info()->name());
         std::filesystem::create_directories(folder_);
         write(1001, 0);
         rig("file = 'shot.####.exr'\nframe = 1001");
@@ -55,10 +56,11 @@ protected:
         write_scene("sdf", folder_ / ("shot." + std::to_string(frame) + ".exr"), options);
     }
     void rig(const std::string& gbuffer) const {
-        std::ofstream(path()) << "version = 1\n[gbuffer]\n"
-                              << gbuffer
-                              << "\n[[light]]\nname = 'key'\ntype = 'sun'\ndirection = [-0.6, -0.8, 0.5]\nirradiance = 2.0\n"
-                                 "[output]\naovs = ['diffuse', 'light:key']\n";
+        std::ofstream(path())
+            << "version = 1\n[gbuffer]\n"
+            << gbuffer
+            << "\n[[light]]\nname = 'key'\ntype = 'sun'\ndirection = [-0.6, -0.8, 0.5]\nirradiance = 2.0\n"
+               "[output]\naovs = ['diffuse', 'light:key']\n";
     }
     std::filesystem::path path() const { return folder_ / "shot.relume"; }
     std::shared_ptr<RelitFrame> frame(const std::string& query = "") const {
@@ -82,7 +84,8 @@ protected:
     /// Tiles in a random order, each from a call of its own.
     static std::vector<std::byte> by_tiles(RelitFrame& frame, int picture, unsigned seed) {
         const std::size_t pixel =
-            size_of(frame.type()) * static_cast<std::size_t>(frame.pictures()[static_cast<std::size_t>(picture)].components);
+            size_of(frame.type()) *
+            static_cast<std::size_t>(frame.pictures()[static_cast<std::size_t>(picture)].components);
         std::vector<std::byte> out(pixel * 200 * 150);
         std::vector<std::pair<int, int>> tiles;
         for (int y = 0; y < 150; y += kTile)
@@ -143,8 +146,7 @@ TEST_F(RelitFrameTest, AFullCacheCostsTimeAlone) {
     std::vector<std::vector<std::byte>> read(4);
     {
         std::vector<std::jthread> threads;
-        for (unsigned k = 0; k < read.size(); ++k)
-            threads.emplace_back([&, k] { read[k] = by_tiles(*relit, 0, k); });
+        for (unsigned k = 0; k < read.size(); ++k) threads.emplace_back([&, k] { read[k] = by_tiles(*relit, 0, k); });
     }
     for (const auto& pixels : read) EXPECT_EQ(pixels, first);
     EXPECT_LE(cached_bytes(), strip);
