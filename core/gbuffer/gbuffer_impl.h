@@ -118,6 +118,7 @@ struct GBuffer::Impl {
     std::string group;  ///< Blender's view layer, or what else stands before the chosen channels' names
     std::string view;   ///< of a stereo file
     bool straight_alpha = false;
+    bool resampled = false;  ///< in memory: pixels that a filter made
 
     std::optional<Camera> camera;
     std::string camera_reason;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 
 #include "gbuffer/gbuffer_impl.h"
 #include "gbuffer/names.h"
@@ -41,6 +42,13 @@ void check_planes(const std::string& name, const MemoryChannel& channel, Quantit
 
 GBuffer GBuffer::from_memory(int width, int height, const std::map<std::string, MemoryChannel>& channels,
                              const GBufferOptions& options) {
+    const Window window{0, 0, width, height};
+    return from_memory(MemoryFrame{window, window}, channels, options);
+}
+
+GBuffer GBuffer::from_memory(const MemoryFrame& frame, const std::map<std::string, MemoryChannel>& channels,
+                             const GBufferOptions& options) {
+    const int width = frame.data_window.width, height = frame.data_window.height;
     if (width < 0 || height < 0) {
         throw Error(ErrorKind::value,
                     "G-buffer in memory: " + std::to_string(width) + "x" + std::to_string(height) + " pixels");
@@ -49,8 +57,14 @@ GBuffer GBuffer::from_memory(int width, int height, const std::map<std::string, 
         throw Error(ErrorKind::value, "G-buffer in memory: " + std::to_string(width) + "x" + std::to_string(height) +
                                           " pixels are more than max_pixels allows");
     }
+    if (!(frame.pixel_aspect > 0) || !std::isfinite(frame.pixel_aspect)) {
+        throw Error(ErrorKind::value, "G-buffer in memory: a pixel aspect of " + std::to_string(frame.pixel_aspect));
+    }
     auto impl = std::make_unique<Impl>();
-    impl->data_window = impl->display_window = {0, 0, width, height};
+    impl->data_window = frame.data_window;
+    impl->display_window = frame.display_window.empty() ? frame.data_window : frame.display_window;
+    impl->pixel_aspect = frame.pixel_aspect;
+    impl->resampled = frame.resampled;
     impl->producer = "memory";
     impl->producer_reason = "arrays";
     if (options.working_space) {

@@ -141,6 +141,8 @@ void judge_normal_variance(GBuffer::Impl& impl, const GBufferOptions& options, c
     const Semantic* normal = impl.find("normal");
     const NormalVariance wanted = options.normal_variance.value_or(NormalVariance::automatic);
     if (!normal || wanted == NormalVariance::off) return;
+    // A filter across edges shortens normals where no surface turns.
+    if (impl.resampled && wanted != NormalVariance::on) return;
     const Lengths lengths(*normal, sample);
     Variance& variance = impl.normal_variance;
     variance.dead_zone = stored_precision(impl, normal->raws);

@@ -14,7 +14,7 @@
 namespace relume {
 
 void read_channels(const GBuffer& gbuffer, std::span<const ChannelRequest> requests, std::span<const Plane> out,
-                   int threads) {
+                   int threads, const std::optional<Window>& region) {
     std::vector<PixelType> types;  // what BandReader gives
     for (const ChannelRequest& request : requests)
         types.insert(types.end(), static_cast<std::size_t>(request.components),
@@ -25,17 +25,24 @@ void read_channels(const GBuffer& gbuffer, std::span<const ChannelRequest> reque
     for (const Plane& plane : out)
         if (plane.data == nullptr) throw Error(ErrorKind::value, "a plane without memory");
 
-    const Window window = gbuffer.data_window();
+    const Window& data = gbuffer.data_window();
+    const Window window = region.value_or(data);
+    if (region && (window.empty() || !contains(data, window)))
+        throw Error(ErrorKind::value, "the region leaves the data window of the G-buffer");
     const BandReader reader(gbuffer, requests);
     const int band = std::max(reader.band_rows(), 1);
-    const int bands = (window.height + band - 1) / band;
+    // Bands start where the file's chunks do, also those of a region.
+    const int first = window.y - (window.y - data.y) % band;
+    const int bands = (window.y_end() - first + band - 1) / band;
     const int workers = std::clamp(threads > 0 ? threads : default_threads(), 1, std::max(bands, 1));
     std::vector<std::unique_ptr<BandReader::Scratch>> scratches(static_cast<std::size_t>(workers));
     parallel_for(bands, workers, nullptr, [&](int worker, int index) {
         auto& scratch = scratches[static_cast<std::size_t>(worker)];
         if (!scratch) scratch = std::make_unique<BandReader::Scratch>();
-        const int top = index * band, rows = std::min(band, window.height - top);
-        reader.load(window.y + top, rows, *scratch);
+        const int begin = std::max(window.y, first + index * band);
+        const int end = std::min(window.y_end(), first + (index + 1) * band);
+        const int top = begin - window.y, rows = end - begin;
+        reader.load(begin, rows, *scratch);
         for (int row = top; row < top + rows; ++row) {
             const auto planes = reader.segment(window.y + row, window.x, window.width, *scratch);
             for (std::size_t k = 0; k < out.size(); ++k)

@@ -38,18 +38,26 @@ struct Worker {
 class Frame {
 public:
     Frame(const GBuffer& gbuffer, const Rig& rig, const RelightOptions& options)
-        : plan(gbuffer, rig), reader(gbuffer, plan.requests), window(gbuffer.data_window()), options_(options) {
+        : plan(gbuffer, rig),
+          reader(gbuffer, plan.requests),
+          window(options.region.value_or(gbuffer.data_window())),
+          options_(options) {
         if (options.threads < 0)
             throw Error(ErrorKind::value, "threads must be 0 (all) or more, not " + std::to_string(options.threads));
         if (window.empty())
             throw Error(ErrorKind::value, "the G-buffer has no pixels (" + std::to_string(window.width) + " × " +
                                               std::to_string(window.height) + ")");
+        const Window& data = gbuffer.data_window();
+        if (!contains(data, window)) throw Error(ErrorKind::value, "the region leaves the data window of the G-buffer");
+        top_ = data.y;
     }
 
     /// `rows_per_band` a multiple of what reader and writer like. `target_of(worker, y, rows)` gives the AOVs' targets,
     /// planes at the band's first pixel; `done(worker, y, rows)` is called after the band.
     template <class TargetOf, class Done> void run(int rows_per_band, TargetOf&& target_of, Done&& done, bool stream) {
-        const int bands = (window.height + rows_per_band - 1) / rows_per_band;
+        // Bands start where the reader's chunks do, also those of a region.
+        const int first = window.y - (window.y - top_) % rows_per_band;
+        const int bands = (window.y_end() - first + rows_per_band - 1) / rows_per_band;
         const int threads =
             std::clamp(options_.threads > 0 ? options_.threads : default_threads(), 1, std::max(1, bands));
         std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(threads));
@@ -57,8 +65,8 @@ public:
         parallel_for(bands, threads, options_.cancel, [&](int w, int band) {
             auto& worker = workers[static_cast<std::size_t>(w)];
             if (!worker) worker = std::make_unique<Worker>(plan);
-            const int y = window.y + band * rows_per_band;
-            const int rows = std::min(rows_per_band, window.y_end() - y);
+            const int y = std::max(window.y, first + band * rows_per_band);
+            const int rows = std::min(first + (band + 1) * rows_per_band, window.y_end()) - y;
             reader.load(y, rows, worker->scratch);
             const std::vector<Target> targets = target_of(*worker, y, rows);
             shade_rows(*worker, y, rows, targets, stream);
@@ -100,6 +108,7 @@ private:
     }
 
     const RelightOptions& options_;
+    int top_ = 0;  ///< of the data window
     const Clock::time_point start_ = Clock::now();
 };
 
@@ -150,6 +159,7 @@ RelightReport relight(const GBuffer& gbuffer, const Rig& rig, const std::map<std
 
 RelightReport relight_to_file(const GBuffer& gbuffer, const Rig& rig, const std::filesystem::path& path,
                               const RelightOptions& options) {
+    if (options.region) throw Error(ErrorKind::value, "relight_to_file() writes the whole data window, no region");
     Frame frame(gbuffer, rig, options);
     const OutputLayout layout = output_layout(gbuffer, rig, frame.plan);
     io::ExrWriter writer(path, layout.header, layout.options);

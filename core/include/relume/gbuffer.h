@@ -81,6 +81,15 @@ struct MemoryChannel {
     ChannelRule rule;
 };
 
+/// Where arrays in memory stand in the frame.
+struct MemoryFrame {
+    Window data_window;      ///< of the arrays
+    Window display_window;   ///< what a field of view goes across
+    float pixel_aspect = 1;  ///< width of a pixel by its height
+    bool resampled = false;  ///< a proxy, whose pixels a filter made: directions are made unit vectors again, and
+                             ///< their lengths say nothing about the surface unless options.normal_variance is on
+};
+
 /// An attribute of the source's header, kept for the output (type and value as in io::Attribute, opaque here).
 struct Metadata;
 
@@ -121,6 +130,9 @@ public:
     /// Channels in memory, row 0 at the top. All planes are `width` × `height`.
     static GBuffer from_memory(int width, int height, const std::map<std::string, MemoryChannel>& channels,
                                const GBufferOptions& options = {});
+    /// The same for arrays that are a part of a frame, or its proxy; all planes have the size of the data window.
+    static GBuffer from_memory(const MemoryFrame& frame, const std::map<std::string, MemoryChannel>& channels,
+                               const GBufferOptions& options = {});
 
     GBuffer(GBuffer&&) noexcept;
     GBuffer& operator=(GBuffer&&) noexcept;
@@ -155,11 +167,12 @@ private:
     std::unique_ptr<Impl> impl_;
 };
 
-/// Reads channels of the whole data window in canonical form, all in one pass over the file on `threads` threads (0: as
-/// many as the process may use). `out`: a plane for each component of each request, in order, (0, 0) the top left pixel
-/// of the data window, of any type and strides (IDs into float32 and half are rounded). Throws Error(channel) for a
-/// request that nothing answers, Error(value) for planes that do not fit, Error(file) and Error(format) from reading.
+/// Reads channels of the whole data window (or a region of it) in canonical form, all in one pass over the file on
+/// `threads` threads (0: as many as the process may use). `out`: a plane for each component of each request, in order,
+/// (0, 0) the top left pixel of it, of any type and strides (IDs into float32 and half are rounded). Throws
+/// Error(channel) for a request that nothing answers, Error(value) for planes that do not fit, Error(file) and
+/// Error(format) from reading.
 RELUME_API void read_channels(const GBuffer& gbuffer, std::span<const ChannelRequest> requests,
-                              std::span<const Plane> out, int threads = 0);
+                              std::span<const Plane> out, int threads = 0, const std::optional<Window>& region = {});
 
 }  // namespace relume

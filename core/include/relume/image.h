@@ -24,6 +24,14 @@ struct Window {
     int y_end() const { return y + height; }  ///< one past the last row
 };
 
+/// Whether every pixel of `part`, which may be any numbers, is one of `whole`.
+constexpr bool contains(const Window& whole, const Window& part) {
+    const auto inside = [](std::int64_t first, std::int64_t count, std::int64_t whole_first, std::int64_t whole_count) {
+        return first >= whole_first && first + count <= whole_first + whole_count;
+    };
+    return inside(part.x, part.width, whole.x, whole.width) && inside(part.y, part.height, whole.y, whole.height);
+}
+
 /// One channel in somebody else's memory. Pixel (column i, row j), both counted from the top left of its window, is at
 /// `data + j * y_stride + i * x_stride`. Strides are in bytes and may be negative. `data == nullptr` means "absent".
 struct ConstPlane {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ struct RelightOptions {
     int threads = 0;                            ///< 0: as many as the process may use
     const std::atomic<bool>* cancel = nullptr;  ///< polled every few rows; relight then throws Error(cancelled)
     std::function<void(double)> progress;       ///< share done, 0…1, from any thread
+    /// relight() alone: the part of the data window that is wanted, in its coordinates. The planes are of this size,
+    /// and pixels get the same bits as in the whole.
+    std::optional<Window> region;
 };
 
 /// What happened to the pixels.
@@ -42,7 +46,8 @@ struct AovInfo {
 RELUME_API std::vector<AovInfo> aovs(const Rig& rig);
 
 /// Relights into the caller's memory: for each AOV of aovs(rig) that `out` names, one plane per component over the
-/// data window, row 0 at the top, half or float32. Zero lights is an error (rig).
+/// data window (or the region), row 0 at the top, half or float32. Zero lights is an error (rig), a region that leaves
+/// the data window one of value.
 RELUME_API RelightReport relight(const GBuffer& gbuffer, const Rig& rig,
                                  const std::map<std::string, std::vector<Plane>>& out,
                                  const RelightOptions& options = {});
