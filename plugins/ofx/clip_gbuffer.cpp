@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "clip_gbuffer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "describe.h"
+#include "relume/error.h"
+
+namespace relume::ofx {
+
+namespace {
+
+constexpr double kInfinite = 1e7;  ///< a canonical coordinate beyond this has no end
+
+/// Canonical to pixels, outwards, but for what rounding adds.
+OfxRectI pixels_of(const OfxRectD& rect, const PixelGrid& grid) {
+    constexpr double kSlack = 1e-4;
+    const double sx = grid.scale_x / grid.aspect, sy = grid.scale_y;
+    return {static_cast<int>(std::floor(rect.x1 * sx + kSlack)), static_cast<int>(std::floor(rect.y1 * sy + kSlack)),
+            static_cast<int>(std::ceil(rect.x2 * sx - kSlack)), static_cast<int>(std::ceil(rect.y2 * sy - kSlack))};
+}
+
+double positive(double value, double fallback) { return value > 0 && std::isfinite(value) ? value : fallback; }
+
+const char* const kNoNormal =
+    "clip 'Normal' is not connected, or has no image here: connect the render's normals to it, or name the EXR that "
+    "holds them in 'G-buffer file'";
+
+}  // namespace
+
+bool has_normal_clip(const Instance& instance) {
+    if (instance.clip("Normal") == nullptr) return false;
+    return instance.clip_properties("Normal").integer(name::kPropConnected, 1) != 0;
+}
+
+std::optional<OfxRectD> project_format(const Instance& instance) {
+    const Properties p = effect_properties(instance.effect());
+    std::array<double, 2> size{}, offset{};
+    if (!p.get(name::kPropProjectSize, size) || !(size[0] > 0) || !(size[1] > 0)) return std::nullopt;
+    if (size[0] > kInfinite || size[1] > kInfinite) return std::nullopt;
+    if (!p.get(name::kPropProjectOffset, offset)) offset = {};
+    return OfxRectD{offset[0], offset[1], offset[0] + size[0], offset[1] + size[1]};
+}
+
+std::optional<OfxRectD> defined_region(const Instance& instance, const char* clip, double time) {
+    const OfxImageClipHandle handle = instance.clip(clip);
+    if (handle == nullptr || host().effect->clipGetRegionOfDefinition == nullptr) return std::nullopt;
+    if (instance.clip_properties(clip).integer(name::kPropConnected, 1) == 0) return std::nullopt;
+    OfxRectD rect{};
+    if (host().effect->clipGetRegionOfDefinition(handle, time, &rect) != kOk) return std::nullopt;
+    const bool infinite = !(rect.x1 > -kInfinite && rect.y1 > -kInfinite && rect.x2 < kInfinite && rect.y2 < kInfinite);
+    if (infinite) return project_format(instance);
+    if (!(rect.x1 < rect.x2 && rect.y1 < rect.y2)) return std::nullopt;
+    return rect;
+}
+
+ClipGBuffer::ClipGBuffer(const Instance& instance, double time, double scale_x, double scale_y, GBufferOptions options)
+    : options_(std::move(options)) {
+    grid_.scale_x = positive(scale_x, 1);
+    grid_.scale_y = positive(scale_y, 1);
+    const auto aspect_of = [&](const char* clip) {
+        return positive(instance.clip_properties(clip).number(name::kPropImageAspect, 0), 0);
+    };
+    const double project_aspect = positive(effect_properties(instance.effect()).number(name::kPropProjectAspect, 1), 1);
+    grid_.aspect = positive(aspect_of(name::kClipSource), positive(aspect_of(name::kClipOutput), project_aspect));
+
+    std::optional<OfxRectD> region = defined_region(instance, name::kClipSource, time);
+    if (!region) region = defined_region(instance, "Normal", time);
+    const auto fetch = [&](const char* clip) -> std::optional<ClipImage> {
+        const OfxImageClipHandle handle = instance.clip(clip);
+        if (handle == nullptr || instance.clip_properties(clip).integer(name::kPropConnected, 1) == 0)
+            return std::nullopt;
+        return ClipImage::fetch(handle, time, region ? &*region : nullptr);
+    };
+    std::optional<ClipImage> source = fetch(name::kClipSource);
+    std::optional<ClipImage> normal = has_normal_clip(instance) ? fetch("Normal") : std::nullopt;
+    if (!normal) throw Error(ErrorKind::channel, kNoNormal);
+
+    // A host that says no region gives images of the whole.
+    grid_.frame = region ? pixels_of(*region, grid_) : (source ? *source : *normal).bounds();
+    if (is_empty(grid_.frame)) throw Error(ErrorKind::value, "clip 'Source' defines no pixels");
+    grid_.canonical =
+        region.value_or(OfxRectD{grid_.frame.x1 * grid_.aspect / grid_.scale_x, grid_.frame.y1 / grid_.scale_y,
+                                 grid_.frame.x2 * grid_.aspect / grid_.scale_x, grid_.frame.y2 / grid_.scale_y});
+    const std::optional<OfxRectD> format = project_format(instance);
+    grid_.display = format ? pixels_of(*format, grid_) : grid_.frame;
+
+    // The images must not move: the planes point into them.
+    images_.reserve(1 + std::size(kDataClips));
+    planes_.reserve(images_.capacity());
+    if (source) add_source(images_.emplace_back(std::move(*source)));
+    for (const DataClip& clip : kDataClips) {
+        std::optional<ClipImage> image = clip.name == std::string_view("Normal") ? std::move(normal) : fetch(clip.name);
+        if (!image) continue;
+        const ClipImage& kept = images_.emplace_back(std::move(*image));
+        const bool ids = !clip.semantics[1].empty();
+        FramePlanes& planes = planes_.emplace_back(kept, grid_.frame, ids);
+        if (clip.components == 3 && planes.count() < 3) {
+            throw Error(ErrorKind::channel, "clip '" + std::string(clip.name) + "' has " +
+                                                std::to_string(planes.count()) + " component; it needs R, G and B");
+        }
+        if (ids && grid_.is_proxy()) planes.mend_ids();
+        int component = 0;
+        for (const std::string_view semantic : clip.semantics) {
+            if (semantic.empty() || component + clip.components > planes.count()) continue;
+            MemoryChannel& channel = channels_[std::string(semantic)];
+            for (int k = 0; k < clip.components; ++k) channel.planes.push_back(planes[component++]);
+        }
+    }
+}
+
+void ClipGBuffer::add_source(const ClipImage& image) {
+    const FramePlanes& planes = planes_.emplace_back(image, grid_.frame);
+    if (planes.count() < 3) return;
+    MemoryChannel& beauty = channels_["beauty"];
+    for (int k = 0; k < planes.count(); ++k) beauty.planes.push_back(planes[k]);
+    if (!options_.alpha && image.properties().text(name::kPropPremultiplication) == name::kUnpremultiplied)
+        options_.alpha = AlphaMode::straight;
+}
+
+GBuffer ClipGBuffer::understand() const {
+    MemoryFrame frame;
+    frame.data_window = grid_.window(grid_.frame);
+    frame.display_window = grid_.window(grid_.display);
+    // A proxy may be scaled otherwise across than down.
+    frame.pixel_aspect = static_cast<float>(grid_.aspect * grid_.scale_y / grid_.scale_x);
+    frame.resampled = grid_.is_proxy();
+    return GBuffer::from_memory(frame, channels_, options_);
+}
+
+}  // namespace relume::ofx
