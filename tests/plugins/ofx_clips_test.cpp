@@ -15,28 +15,6 @@ const SceneClips& scene() {
     return made;
 }
 
-std::string complaints(const Host& host) {
-    std::string text;
-    for (const std::string& line : host.complaints()) text += line + "\n";
-    return text;
-}
-
-void light_one(Node& node) {
-    node.choose("light1_type", "sun");
-    node.set("light1_direction", std::vector{-0.6, -0.8, 0.5});
-    node.set("light1_irradiance", std::vector{2.0, 1.9, 1.7});
-    node.set("light1_exposure", 0.5);
-}
-
-Rig rig_one() {
-    return Rig::loads(R"([[light]]
-type = "sun"
-direction = [-0.6, -0.8, 0.5]
-irradiance = [2.0, 1.9, 1.7]
-exposure = 0.5
-)");
-}
-
 TEST(OfxClipsTest, GivesTheLibrarysPixels) {
     Host host;
     Node node(host, name::kContextGeneral);

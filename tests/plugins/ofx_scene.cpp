@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "io/pixel_convert.h"
 #include "relume/relight.h"
 #include "relume/scenes.h"
 
@@ -77,17 +78,36 @@ void SceneClips::connect(Node& node, std::initializer_list<const char*> clips) c
     for (const char* clip : clips) node.connect(clip, picture(clip));
 }
 
-std::vector<float> SceneClips::relit(const Rig& rig, std::initializer_list<const char*> clips,
-                                     const GBufferOptions& options) const {
-    std::map<std::string, MemoryChannel> memory;
+Arrays SceneClips::arrays(std::initializer_list<const char*> clips) const {
+    Arrays wanted;
     for (const Content& content : kContents)
-        for (const char* clip : clips) {
-            if (std::string_view(clip) != content.clip) continue;
-            for (const std::vector<float>& plane : channels.at(content.semantic))
-                memory[content.semantic].planes.push_back({reinterpret_cast<const std::byte*>(plane.data()),
-                                                           PixelType::float32, 4, std::ptrdiff_t{4} * width});
+        for (const char* clip : clips)
+            if (std::string_view(clip) == content.clip) wanted[content.semantic] = channels.at(content.semantic);
+    return wanted;
+}
+
+std::vector<float> SceneClips::relit(const Rig& rig, std::initializer_list<const char*> clips) const {
+    return test::relit(arrays(clips), frame(), rig);
+}
+
+std::vector<float> relit(const Arrays& arrays, const MemoryFrame& frame, const Rig& rig, const GBufferOptions& options,
+                         PixelType type) {
+    const int width = frame.data_window.width, height = frame.data_window.height;
+    std::map<std::string, MemoryChannel> memory;
+    std::list<std::vector<std::uint16_t>> halves;
+    for (const auto& [name, planes] : arrays) {
+        for (const std::vector<float>& plane : planes) {
+            ConstPlane at{reinterpret_cast<const std::byte*>(plane.data()), PixelType::float32, 4,
+                          std::ptrdiff_t{4} * width};
+            if (type == PixelType::half) {
+                std::vector<std::uint16_t>& half = halves.emplace_back();
+                for (const float value : plane) half.push_back(io::float_to_half(value));
+                at = {reinterpret_cast<const std::byte*>(half.data()), type, 2, std::ptrdiff_t{2} * width};
+            }
+            memory[name].planes.push_back(at);
         }
-    const GBuffer gbuffer = GBuffer::from_memory(width, height, memory, options);
+    }
+    const GBuffer gbuffer = GBuffer::from_memory(frame, memory, options);
     std::vector<float> rgba(std::size_t{4} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     std::vector<Plane> planes;
     for (std::size_t k = 0; k < 4; ++k)
@@ -95,6 +115,22 @@ std::vector<float> SceneClips::relit(const Rig& rig, std::initializer_list<const
             {reinterpret_cast<std::byte*>(rgba.data() + k), PixelType::float32, 16, std::ptrdiff_t{16} * width});
     relight(gbuffer, rig, {{"beauty", planes}});
     return rgba;
+}
+
+void light_one(Node& node) {
+    node.choose("light1_type", "sun");
+    node.set("light1_direction", std::vector{-0.6, -0.8, 0.5});
+    node.set("light1_irradiance", std::vector{2.0, 1.9, 1.7});
+    node.set("light1_exposure", 0.5);
+}
+
+Rig rig_one() {
+    return Rig::loads(R"([[light]]
+type = "sun"
+direction = [-0.6, -0.8, 0.5]
+irradiance = [2.0, 1.9, 1.7]
+exposure = 0.5
+)");
 }
 
 std::vector<float> pixels(const Image& image) {
