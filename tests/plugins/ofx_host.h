@@ -134,9 +134,9 @@ struct Effect {
 };
 
 struct HostOptions {
-    std::set<std::string> missing_suites;      ///< "OfxMessageSuite"; with version: "OfxMessageSuite 2"
-    std::set<std::string> null_members;        ///< "abort", "clipGetRegionOfDefinition", …
-    std::set<std::string> unknown_properties;  ///< that no set has
+    std::set<std::string> missing_suites{};      ///< "OfxMessageSuite"; with version: "OfxMessageSuite 2"
+    std::set<std::string> null_members{};        ///< "abort", "clipGetRegionOfDefinition", …
+    std::set<std::string> unknown_properties{};  ///< that no set has
     std::string name = "org.relume.testhost";
     bool complain = true;  ///< about properties that are not known; off for hosts that lack some on purpose
 };

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <cstring>
 
 #include "ofx_host.h"
 
@@ -84,7 +85,13 @@ OfxStatus clip_image(OfxImageClipHandle handle, OfxTime time, const OfxRectD* re
     image->bounds = {bounds.x1 - clip.margin, bounds.y1 - clip.margin, bounds.x2 + clip.margin,
                      bounds.y2 + clip.margin};
     image->allocate(clip.padding, clip.top_down);
-    for (int y = image->bounds.y1; y < image->bounds.y2; ++y)
+    const bool as_it_is = scale == 1 && clip.depth == name::kDepthFloat && clip.components == name::kRgba &&
+                          clip.margin == 0;
+    const std::size_t row = 4 * static_cast<std::size_t>(bounds.x2 - bounds.x1);
+    for (int y = bounds.y1; as_it_is && y < bounds.y2; ++y)
+        std::memcpy(image->at(bounds.x1, y, 0), picture.pixels.data() + row * static_cast<std::size_t>(y - bounds.y1),
+                    row * sizeof(float));
+    for (int y = image->bounds.y1; !as_it_is && y < image->bounds.y2; ++y)
         for (int x = image->bounds.x1; x < image->bounds.x2; ++x)
             for (int c = 0; c < image->component_count(); ++c) image->put(x, y, c, filtered(picture, x, y, c, scale));
     image->properties.set<double>(name::kPropImageAspect, 0, clip.aspect);
