@@ -180,6 +180,7 @@ void define_light(Definer& definer, const LightKnobs& light) {
                     "there are read from the G-buffer.",
                     group);
     pick.set(name::kPropDoubleType, name::kDoubleXyAbsolute);
+    pick.set(name::kPropHostOverlay, 1);  // a cross to drag on the picture
     for (int k = 0; k < 2; ++k) pick.set(name::kPropDefault, 0.0, k);
     definer.range(pick, 2, -kWide, kWide, 0, 4096);
     pick.set(name::kPropAnimates, 0);

@@ -167,8 +167,8 @@ inline constexpr const char *kRgba = "OfxImageComponentRGBA", *kRgb = "OfxImageC
                             *kAlpha = "OfxImageComponentAlpha";
 inline constexpr const char *kDepthByte = "OfxBitDepthByte", *kDepthShort = "OfxBitDepthShort",
                             *kDepthHalf = "OfxBitDepthHalf", *kDepthFloat = "OfxBitDepthFloat";
-inline constexpr const char *kPremultiplied = "OfxImagePreMultiplied", *kUnpremultiplied = "OfxImageUnPreMultiplied",
-                            *kOpaque = "OfxImageOpaque";
+inline constexpr const char *kPremultiplied = "OfxImageAlphaPremultiplied",
+                            *kUnpremultiplied = "OfxImageAlphaUnPremultiplied", *kOpaque = "OfxImageOpaque";
 
 // Properties of everything.
 inline constexpr const char *kPropType = "OfxPropType", *kPropName = "OfxPropName", *kPropLabel = "OfxPropLabel",
@@ -235,7 +235,8 @@ inline constexpr const char *kPropDefault = "OfxParamPropDefault", *kPropMin = "
                             *kDoublePlain = "OfxParamDoubleTypePlain",
                             *kDoubleXyAbsolute = "OfxParamDoubleTypeXYAbsolute",
                             *kPropGroupOpen = "OfxParamPropGroupOpen",
-                            *kPropEvaluateOnChange = "OfxParamPropEvaluateOnChange";
+                            *kPropEvaluateOnChange = "OfxParamPropEvaluateOnChange",
+                            *kPropHostOverlay = "kOfxParamPropUseHostOverlayHandle";  // with its k
 
 inline constexpr const char *kClipSource = "Source", *kClipOutput = "Output";
 inline constexpr const char *kMessageError = "OfxMessageError", *kMessageWarning = "OfxMessageWarning";

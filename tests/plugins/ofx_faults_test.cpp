@@ -61,9 +61,9 @@ TEST(OfxFaultsTest, UnknownActionsAreTheHosts) {
 
 TEST(OfxFaultsTest, MembersThatAreNull) {
     const std::vector<float> wanted = scene().relit(rig_one(), kAllClips);
-    for (const char* member : {"abort", "clipGetPropertySet", "clipGetRegionOfDefinition", "paramGetValueAtTime",
-                               "paramSetValue", "paramGetPropertySet", "message", "setPersistentMessage",
-                               "clearPersistentMessage"}) {
+    for (const char* member :
+         {"abort", "clipGetPropertySet", "clipGetRegionOfDefinition", "paramGetValueAtTime", "paramSetValue",
+          "paramGetPropertySet", "message", "setPersistentMessage", "clearPersistentMessage"}) {
         Host host({.null_members = {member}});
         Node node(host, name::kContextGeneral);
         std::unique_ptr<Image> image;
@@ -101,12 +101,16 @@ TEST(OfxFaultsTest, MessagesByWhateverSuiteThereIs) {
 
 TEST(OfxFaultsTest, PropertiesThatAreUnknown) {
     const std::vector<float> wanted = scene().relit(rig_one(), kAllClips);
-    for (const char* property :
-         {name::kPropDescription, name::kPropHostFrameThreading, name::kPropFilePathExists, name::kPropDoubleType,
-          name::kPropGroupOpen, name::kPropPageChild, name::kPropConnected, name::kPropPremultiplication,
-          name::kPropImageAspect, name::kPropRenderScale, name::kPropProjectSize, name::kPropProjectOffset,
-          name::kPropProjectAspect, name::kPropMin, name::kPropDisplayMax, name::kPropSecret, name::kPropName,
-          name::kPropEvaluateOnChange, name::kPropAnimates, name::kPropFrameVarying}) {
+    for (const char* property : {name::kPropDescription,    name::kPropHostFrameThreading,
+                                 name::kPropFilePathExists, name::kPropDoubleType,
+                                 name::kPropGroupOpen,      name::kPropPageChild,
+                                 name::kPropConnected,      name::kPropPremultiplication,
+                                 name::kPropImageAspect,    name::kPropRenderScale,
+                                 name::kPropProjectSize,    name::kPropProjectOffset,
+                                 name::kPropProjectAspect,  name::kPropMin,
+                                 name::kPropDisplayMax,     name::kPropSecret,
+                                 name::kPropName,           name::kPropEvaluateOnChange,
+                                 name::kPropAnimates,       name::kPropFrameVarying}) {
         Host host({.unknown_properties = {property}, .complain = false});
         Node node(host, name::kContextGeneral);
         std::unique_ptr<Image> image;
@@ -115,8 +119,8 @@ TEST(OfxFaultsTest, PropertiesThatAreUnknown) {
         EXPECT_EQ(node.changed("light1_type"), kOk) << property;
     }
     // Without these there is no picture, and nobody falls over.
-    for (const char* property : {name::kPropData, name::kPropBounds, name::kPropPixelDepth, name::kPropComponents,
-                                 name::kPropRenderWindow}) {
+    for (const char* property :
+         {name::kPropData, name::kPropBounds, name::kPropPixelDepth, name::kPropComponents, name::kPropRenderWindow}) {
         Host host({.unknown_properties = {property}, .complain = false});
         Node node(host, name::kContextGeneral);
         std::unique_ptr<Image> image;
@@ -173,7 +177,8 @@ double time_to_stop(Node& node, const RenderJob& job, std::chrono::milliseconds 
 /// So many lights that a frame takes more than a second.
 class ManyLights {
 public:
-    ManyLights() : path_(std::filesystem::temp_directory_path() / ("relume_many_" + std::to_string(getpid()) + ".relume")) {
+    ManyLights()
+        : path_(std::filesystem::temp_directory_path() / ("relume_many_" + std::to_string(getpid()) + ".relume")) {
         std::ofstream file(path_);
         for (int k = 0; k < 1000; ++k)
             file << "[[light]]\ntype = \"spot\"\nposition = [" << 0.01 * k - 5
@@ -195,8 +200,8 @@ TEST(OfxFaultsTest, StopsWithin50Milliseconds) {
     const OfxRectI large{0, 0, 64 * kRepeat, 48 * kRepeat};
     for (const char* clip : kAllClips) {
         const Picture tile = small.picture(clip);
-        const auto whole = std::make_shared<const Picture>(
-            large, [&](int x, int y, int c) { return tile.at(x % 64, y % 48, c); });
+        const auto whole =
+            std::make_shared<const Picture>(large, [&](int x, int y, int c) { return tile.at(x % 64, y % 48, c); });
         node.connect(clip, [whole](double) { return *whole; });
     }
     const ManyLights lights;
@@ -232,8 +237,8 @@ TEST(OfxFaultsTest, StopsWithin50MillisecondsOfAFile) {
             for (int attempt = 0; attempt < 4 && best > 50; ++attempt) {
                 OfxStatus status = kFailed;
                 node.act(name::kActionPurgeCaches, &node.instance());
-                best = std::min(best, time_to_stop(node, {.window = {0, 0, 1600, 1000}},
-                                                   std::chrono::milliseconds(delay), status));
+                best = std::min(
+                    best, time_to_stop(node, {.window = {0, 0, 1600, 1000}}, std::chrono::milliseconds(delay), status));
             }
             EXPECT_LT(best, 50) << "stopped " << delay << " ms after the start";
         }

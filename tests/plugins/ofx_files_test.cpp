@@ -116,7 +116,8 @@ direction = [0, -1, 0.2]
 power = 40
 cone_angle = 70
 falloff = "linear"
-)").lights[0]);
+)")
+                             .lights[0]);
     rig.shaders = Rig::loads("[[shader]]\nuse = \"ggx\"\nf0 = [0.3, 0.2, 0.1]").shaders;
     ASSERT_EQ(render(node, {.window = kFrame}, got), kOk) << node.instance().message;
     EXPECT_EQ(got, by_library(file, rig));
@@ -211,7 +212,8 @@ void write_crop(const fs::path& from, const fs::path& to, const Window& data, co
     const io::ExrReader reader(from, {});
     io::Header header = reader.header();
     io::Part& part = header.parts.at(0);
-    const auto count = static_cast<std::size_t>(part.data_window.width) * static_cast<std::size_t>(part.data_window.height);
+    const auto count =
+        static_cast<std::size_t>(part.data_window.width) * static_cast<std::size_t>(part.data_window.height);
     std::vector<std::vector<float>> pixels(part.channels.size(), std::vector<float>(count));
     std::vector<io::ReadTarget> targets;
     std::vector<ConstPlane> planes;
@@ -271,7 +273,8 @@ TEST_F(OfxFilesTest, FileThatChangesIsReadAgain) {
     const fs::path own_rig = folder / "own.relume";
     const auto write_rig = [&](const std::string& text) { std::ofstream(own_rig) << text; };
     node.set("rig", own_rig.string());
-    for (const char* text : {"[[light]]\ntype = \"sun\"\ndirection = [0, -1, 0.3]\n", "[[light]]\ntype = \"ambient\"\n"}) {
+    for (const char* text :
+         {"[[light]]\ntype = \"sun\"\ndirection = [0, -1, 0.3]\n", "[[light]]\ntype = \"ambient\"\n"}) {
         write_rig(text);
         ASSERT_EQ(render(node, {.window = kFrame}, got), kOk) << node.instance().message;
         EXPECT_EQ(got, by_library(folder / "shot.exr", Rig::loads(text)));
@@ -328,8 +331,9 @@ TEST_F(OfxFilesTest, OverridesThatAreWrongAreSaid) {
     Node node(host, name::kContextGenerator);
     node.set("gbuffer_file", good.string());
     node.set("rig", rig_file);
-    for (const auto& [text, word] : {std::pair("light.sun.exposur = 1", "exposure"), std::pair("light.sun.exposure", "line 1"),
-                                     std::pair("camera.fov = wide", "fov")}) {
+    for (const auto& [text, word] :
+         {std::pair("light.sun.exposur = 1", "exposure"), std::pair("light.sun.exposure", "line 1"),
+          std::pair("camera.fov = wide", "fov")}) {
         node.set("overrides", text);
         EXPECT_EQ(render(node, {.window = kFrame}, got), kFailed) << text;
         EXPECT_NE(node.instance().message.find(word), std::string::npos) << node.instance().message;

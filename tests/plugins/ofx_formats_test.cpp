@@ -81,8 +81,9 @@ TEST_F(OfxFormatsTest, ByteAndShortInputsWithPackedNormals) {
                     v = level / static_cast<float>(levels);
                 }
         const Picture normal(scene().bounds, [&](int x, int y, int c) {
-            const auto at = static_cast<std::size_t>(scene().bounds.y2 - 1 - y) *
-                                static_cast<std::size_t>(scene().width) + static_cast<std::size_t>(x);
+            const auto at =
+                static_cast<std::size_t>(scene().bounds.y2 - 1 - y) * static_cast<std::size_t>(scene().width) +
+                static_cast<std::size_t>(x);
             return c == 3 ? 1.f : arrays["normal"][static_cast<std::size_t>(c)][at];
         });
         for (const char* clip : {"Source", "Normal", "BaseColor", "Roughness"}) node.clip(clip).depth = depth;

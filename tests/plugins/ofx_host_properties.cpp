@@ -213,6 +213,7 @@ void declare_parameter(PropertySet& set, const std::string& type) {
                           : type == name::kParamDouble3D || type == name::kParamRgb ? 3
                                                                                     : 1;
     const bool floating = type == name::kParamDouble || dimension > 1;
+    if (type == name::kParamDouble2D) set.declare(name::kPropHostOverlay, 0);
     if (floating) {
         // A host that takes what is absent for a range of nothing, as some do.
         set.declare(name::kPropDefault, 0.0, dimension);

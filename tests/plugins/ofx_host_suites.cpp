@@ -85,8 +85,8 @@ OfxStatus clip_image(OfxImageClipHandle handle, OfxTime time, const OfxRectD* re
     image->bounds = {bounds.x1 - clip.margin, bounds.y1 - clip.margin, bounds.x2 + clip.margin,
                      bounds.y2 + clip.margin};
     image->allocate(clip.padding, clip.top_down);
-    const bool as_it_is = scale == 1 && clip.depth == name::kDepthFloat && clip.components == name::kRgba &&
-                          clip.margin == 0;
+    const bool as_it_is =
+        scale == 1 && clip.depth == name::kDepthFloat && clip.components == name::kRgba && clip.margin == 0;
     const std::size_t row = 4 * static_cast<std::size_t>(bounds.x2 - bounds.x1);
     for (int y = bounds.y1; as_it_is && y < bounds.y2; ++y)
         std::memcpy(image->at(bounds.x1, y, 0), picture.pixels.data() + row * static_cast<std::size_t>(y - bounds.y1),

@@ -32,9 +32,7 @@ public:
     /// What the library makes of them: R, G, B, A, row 0 at the top.
     std::vector<float> relit(const Rig& rig, std::initializer_list<const char*> clips) const;
     /// Where they stand in a project of 1920 × 1080, as an EXR says it.
-    MemoryFrame frame() const {
-        return {{bounds.x1, 1080 - bounds.y2, width, height}, {0, 0, 1920, 1080}};
-    }
+    MemoryFrame frame() const { return {{bounds.x1, 1080 - bounds.y2, width, height}, {0, 0, 1920, 1080}}; }
 
     Arrays channels;
 };
