@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "describe.h"
 #include "relume/error.h"
 
 namespace relume::ofx {
@@ -23,15 +22,16 @@ OfxRectI pixels_of(const OfxRectD& rect, const PixelGrid& grid) {
 
 double positive(double value, double fallback) { return value > 0 && std::isfinite(value) ? value : fallback; }
 
-const char* const kNoNormal =
+constexpr const char* kNormalClip = "Normal";
+constexpr const char* kNoNormal =
     "clip 'Normal' is not connected, or has no image here: connect the render's normals to it, or name the EXR that "
     "holds them in 'G-buffer file'";
 
 }  // namespace
 
 bool has_normal_clip(const Instance& instance) {
-    if (instance.clip("Normal") == nullptr) return false;
-    return instance.clip_properties("Normal").integer(name::kPropConnected, 1) != 0;
+    if (instance.clip(kNormalClip) == nullptr) return false;
+    return instance.clip_properties(kNormalClip).integer(name::kPropConnected, 1) != 0;
 }
 
 std::optional<OfxRectD> project_format(const Instance& instance) {
@@ -57,76 +57,83 @@ std::optional<OfxRectD> defined_region(const Instance& instance, const char* cli
 
 ClipGBuffer::ClipGBuffer(const Instance& instance, double time, double scale_x, double scale_y, GBufferOptions options)
     : options_(std::move(options)) {
+    set_grid(instance, time, scale_x, scale_y);
+    const bool known = grid_.canonical.x1 < grid_.canonical.x2;
+    const auto fetch = [&](const char* clip) -> std::optional<ClipImage> {
+        const OfxImageClipHandle handle = instance.clip(clip);
+        if (handle == nullptr || instance.clip_properties(clip).integer(name::kPropConnected, 1) == 0)
+            return std::nullopt;
+        return ClipImage::fetch(handle, time, known ? &grid_.canonical : nullptr);
+    };
+    bool normal = false;
+    if (std::optional<ClipImage> source = fetch(name::kClipSource)) {
+        if (!options_.alpha && source->properties().text(name::kPropPremultiplication) == name::kUnpremultiplied)
+            options_.alpha = AlphaMode::straight;
+        inputs_.push_back({nullptr, std::move(*source)});
+    }
+    for (const DataClip& clip : kDataClips) {
+        std::optional<ClipImage> image = fetch(clip.name);
+        if (!image) continue;
+        normal = normal || std::string_view(clip.name) == kNormalClip;
+        if (clip.components == 3 && image->components() < 3) {
+            throw Error(ErrorKind::channel, "clip '" + std::string(clip.name) + "' has " +
+                                                std::to_string(image->components()) +
+                                                " component; it needs R, G and B");
+        }
+        inputs_.push_back({&clip, std::move(*image)});
+    }
+    if (!normal) throw Error(ErrorKind::channel, kNoNormal);
+    // A host that says no region gives images of the whole.
+    if (!known) grid_.frame = inputs_.front().image.bounds();
+    if (is_empty(grid_.frame)) throw Error(ErrorKind::value, "clip 'Source' defines no pixels");
+    const std::optional<OfxRectD> format = project_format(instance);
+    grid_.display = format ? pixels_of(*format, grid_) : grid_.frame;
+}
+
+void ClipGBuffer::set_grid(const Instance& instance, double time, double scale_x, double scale_y) {
     grid_.scale_x = positive(scale_x, 1);
     grid_.scale_y = positive(scale_y, 1);
     const auto aspect_of = [&](const char* clip) {
         return positive(instance.clip_properties(clip).number(name::kPropImageAspect, 0), 0);
     };
-    const double project_aspect = positive(effect_properties(instance.effect()).number(name::kPropProjectAspect, 1), 1);
-    grid_.aspect = positive(aspect_of(name::kClipSource), positive(aspect_of(name::kClipOutput), project_aspect));
-
+    const double project = positive(effect_properties(instance.effect()).number(name::kPropProjectAspect, 1), 1);
+    grid_.aspect = positive(aspect_of(name::kClipSource), positive(aspect_of(name::kClipOutput), project));
     std::optional<OfxRectD> region = defined_region(instance, name::kClipSource, time);
-    if (!region) region = defined_region(instance, "Normal", time);
-    const auto fetch = [&](const char* clip) -> std::optional<ClipImage> {
-        const OfxImageClipHandle handle = instance.clip(clip);
-        if (handle == nullptr || instance.clip_properties(clip).integer(name::kPropConnected, 1) == 0)
-            return std::nullopt;
-        return ClipImage::fetch(handle, time, region ? &*region : nullptr);
-    };
-    std::optional<ClipImage> source = fetch(name::kClipSource);
-    std::optional<ClipImage> normal = has_normal_clip(instance) ? fetch("Normal") : std::nullopt;
-    if (!normal) throw Error(ErrorKind::channel, kNoNormal);
+    if (!region) region = defined_region(instance, kNormalClip, time);
+    if (!region) return;
+    grid_.canonical = *region;
+    grid_.frame = pixels_of(*region, grid_);
+}
 
-    // A host that says no region gives images of the whole.
-    grid_.frame = region ? pixels_of(*region, grid_) : (source ? *source : *normal).bounds();
-    if (is_empty(grid_.frame)) throw Error(ErrorKind::value, "clip 'Source' defines no pixels");
-    grid_.canonical =
-        region.value_or(OfxRectD{grid_.frame.x1 * grid_.aspect / grid_.scale_x, grid_.frame.y1 / grid_.scale_y,
-                                 grid_.frame.x2 * grid_.aspect / grid_.scale_x, grid_.frame.y2 / grid_.scale_y});
-    const std::optional<OfxRectD> format = project_format(instance);
-    grid_.display = format ? pixels_of(*format, grid_) : grid_.frame;
-
-    // The images must not move: the planes point into them.
-    images_.reserve(1 + std::size(kDataClips));
-    planes_.reserve(images_.capacity());
-    if (source) add_source(images_.emplace_back(std::move(*source)));
-    for (const DataClip& clip : kDataClips) {
-        std::optional<ClipImage> image = clip.name == std::string_view("Normal") ? std::move(normal) : fetch(clip.name);
-        if (!image) continue;
-        const ClipImage& kept = images_.emplace_back(std::move(*image));
-        const bool ids = !clip.semantics[1].empty();
-        FramePlanes& planes = planes_.emplace_back(kept, grid_.frame, ids);
-        if (clip.components == 3 && planes.count() < 3) {
-            throw Error(ErrorKind::channel, "clip '" + std::string(clip.name) + "' has " +
-                                                std::to_string(planes.count()) + " component; it needs R, G and B");
+GBuffer ClipGBuffer::understand(const std::atomic<bool>& cancel) {
+    std::map<std::string, MemoryChannel> channels;
+    planes_.clear();
+    planes_.reserve(inputs_.size());  // they stay where they are: the channels point into them
+    for (const Input& input : inputs_) {
+        if (input.clip == nullptr) {
+            if (input.image.components() < 3) continue;
+            const FramePlanes& planes = planes_.emplace_back(input.image, grid_.frame, 4, false, cancel);
+            for (int k = 0; k < planes.count(); ++k) channels["beauty"].planes.push_back(planes[k]);
+            continue;
         }
-        if (ids && grid_.is_proxy()) planes.mend_ids();
+        const DataClip& clip = *input.clip;
+        const bool ids = !clip.semantics[1].empty();
+        FramePlanes& planes = planes_.emplace_back(input.image, grid_.frame, ids ? 3 : clip.components, ids, cancel);
+        if (ids && grid_.is_proxy()) planes.mend_ids(cancel);
         int component = 0;
         for (const std::string_view semantic : clip.semantics) {
             if (semantic.empty() || component + clip.components > planes.count()) continue;
-            MemoryChannel& channel = channels_[std::string(semantic)];
+            MemoryChannel& channel = channels[std::string(semantic)];
             for (int k = 0; k < clip.components; ++k) channel.planes.push_back(planes[component++]);
         }
     }
-}
-
-void ClipGBuffer::add_source(const ClipImage& image) {
-    const FramePlanes& planes = planes_.emplace_back(image, grid_.frame);
-    if (planes.count() < 3) return;
-    MemoryChannel& beauty = channels_["beauty"];
-    for (int k = 0; k < planes.count(); ++k) beauty.planes.push_back(planes[k]);
-    if (!options_.alpha && image.properties().text(name::kPropPremultiplication) == name::kUnpremultiplied)
-        options_.alpha = AlphaMode::straight;
-}
-
-GBuffer ClipGBuffer::understand() const {
     MemoryFrame frame;
     frame.data_window = grid_.window(grid_.frame);
     frame.display_window = grid_.window(grid_.display);
     // A proxy may be scaled otherwise across than down.
     frame.pixel_aspect = static_cast<float>(grid_.aspect * grid_.scale_y / grid_.scale_x);
     frame.resampled = grid_.is_proxy();
-    return GBuffer::from_memory(frame, channels_, options_);
+    return GBuffer::from_memory(frame, channels, options_);
 }
 
 }  // namespace relume::ofx

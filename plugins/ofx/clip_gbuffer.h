@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "clip_image.h"
+#include "describe.h"
 #include "node_rig.h"
 #include "relume/gbuffer.h"
 
@@ -29,21 +30,24 @@ struct PixelGrid {
 /// from pixels (encodings, the camera) is the same for every tile. Holds the images.
 class ClipGBuffer {
 public:
-    /// Fetches the images. Errors: channel (no normal: names the clip).
+    /// Fetches the images, which asks the host. Errors: channel (no normal: names the clip).
     ClipGBuffer(const Instance& instance, double time, double scale_x, double scale_y, GBufferOptions options);
 
     const PixelGrid& grid() const { return grid_; }
-    /// Understands them: the part that takes time.
-    GBuffer understand() const;
+    /// Brings them to arrays and understands those, which asks nobody and takes time. The G-buffer points into this.
+    GBuffer understand(const std::atomic<bool>& cancel);
 
 private:
-    void add_source(const ClipImage& image);
+    struct Input {
+        const DataClip* clip;  ///< null: the source
+        ClipImage image;
+    };
+    void set_grid(const Instance& instance, double time, double scale_x, double scale_y);
 
     PixelGrid grid_;
     GBufferOptions options_;
-    std::vector<ClipImage> images_;
+    std::vector<Input> inputs_;
     std::vector<FramePlanes> planes_;
-    std::map<std::string, MemoryChannel> channels_;
 };
 
 /// Whether the Normal clip is there and has an image: then clips are what a node without a file is about.

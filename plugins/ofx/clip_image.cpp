@@ -9,6 +9,7 @@
 
 #include "io/pixel_convert.h"
 #include "relume/error.h"
+#include "threads/workers.h"
 
 namespace relume::ofx {
 
@@ -107,91 +108,97 @@ ClipImage::~ClipImage() {
 
 std::ptrdiff_t ClipImage::pixel_bytes() const { return static_cast<std::ptrdiff_t>(bytes_of(depth_)) * components_; }
 
-FramePlanes::FramePlanes(const ClipImage& image, const OfxRectI& rect, bool whole)
+FramePlanes::FramePlanes(const ClipImage& image, const OfxRectI& rect, int components, bool whole,
+                         const std::atomic<bool>& cancel)
     : width_(rect.x2 - rect.x1), height_(rect.y2 - rect.y1) {
     const bool floating = image.depth() == Depth::float32 || image.depth() == Depth::half;
+    components = std::min(components, image.components());
     if (!floating || !image.contains(rect)) {
-        copy(image, rect, whole);
+        copy(image, rect, components, whole, cancel);
         return;
     }
     const PixelType type = image.depth() == Depth::half ? PixelType::half : PixelType::float32;
-    for (int c = 0; c < image.components(); ++c)
+    for (int c = 0; c < components; ++c)
         planes_.push_back({image.at(rect.x1, rect.y2 - 1) + c * static_cast<std::ptrdiff_t>(size_of(type)), type,
                            image.pixel_bytes(), -image.row_bytes()});
 }
 
-void FramePlanes::copy(const ClipImage& image, const OfxRectI& rect, bool whole) {
-    const int components = image.components();
+void FramePlanes::copy(const ClipImage& image, const OfxRectI& rect, int components, bool whole,
+                       const std::atomic<bool>& cancel) {
     const bool half = image.depth() == Depth::half;
     const PixelType type = half ? PixelType::half : PixelType::float32;
-    const auto pixel = static_cast<std::ptrdiff_t>(size_of(type)) * components;
-    const std::ptrdiff_t row = pixel * width_;
-    memory_.assign(static_cast<std::size_t>(row) * static_cast<std::size_t>(height_), std::byte{0});
+    const std::size_t size = size_of(type), stored = bytes_of(image.depth());
+    const auto row = static_cast<std::ptrdiff_t>(size) * width_;
+    const std::ptrdiff_t plane = row * height_;
+    memory_.assign(static_cast<std::size_t>(plane) * static_cast<std::size_t>(components), std::byte{0});
+    for (int c = 0; c < components; ++c) planes_.push_back({memory_.data() + c * plane, type, row / width_, row});
     const OfxRectI part = intersection(rect, image.bounds());
-    if (!is_empty(part)) {
-        const std::size_t count = static_cast<std::size_t>(part.x2 - part.x1) * static_cast<std::size_t>(components);
-        for (int y = part.y1; y < part.y2; ++y) {
-            const std::byte* from = image.at(part.x1, y);
-            std::byte* to = memory_.data() + (rect.y2 - 1 - y) * row + (part.x1 - rect.x1) * pixel;
-            if (half || image.depth() == Depth::float32) {
-                std::memcpy(to, from, count * size_of(type));
-                continue;
-            }
-            const std::size_t size = bytes_of(image.depth());
-            for (std::size_t k = 0; k < count; ++k) {
-                const float v = number_at(from + k * size, image.depth(), whole);
-                std::memcpy(to + k * sizeof v, &v, sizeof v);
+    if (is_empty(part)) return;
+    const auto count = static_cast<std::size_t>(part.x2 - part.x1);
+    parallel_for(part.y2 - part.y1, default_threads(), &cancel, [&](int, int index) {
+        const int y = part.y1 + index;
+        for (int c = 0; c < components; ++c) {
+            const std::byte* from = image.at(part.x1, y) + static_cast<std::ptrdiff_t>(stored) * c;
+            std::byte* to = memory_.data() + c * plane + (rect.y2 - 1 - y) * row +
+                            static_cast<std::ptrdiff_t>(size) * (part.x1 - rect.x1);
+            for (std::size_t k = 0; k < count; ++k, from += image.pixel_bytes(), to += size) {
+                if (half) {
+                    std::memcpy(to, from, size);
+                } else {
+                    const float v = number_at(from, image.depth(), whole);
+                    std::memcpy(to, &v, sizeof v);
+                }
             }
         }
-    }
-    for (int c = 0; c < components; ++c)
-        planes_.push_back({memory_.data() + c * static_cast<std::ptrdiff_t>(size_of(type)), type, pixel, row});
+    });
 }
 
-void FramePlanes::mend_ids() {
-    const auto w = static_cast<std::size_t>(width_), h = static_cast<std::size_t>(height_);
-    const std::size_t size = w * h;
+void FramePlanes::mend_ids(const std::atomic<bool>& cancel) {
+    const std::size_t size = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
     std::vector<std::byte> mended(planes_.size() * size * sizeof(float));
-    std::vector<float> ids(size);
-    std::vector<char> sure(size);
-    for (std::size_t c = 0; c < planes_.size(); ++c) {
-        const ConstPlane& plane = planes_[c];
-        for (std::size_t y = 0; y < h; ++y)
-            for (std::size_t x = 0; x < w; ++x)
-                ids[y * w + x] = number_at(plane.data + static_cast<std::ptrdiff_t>(y) * plane.y_stride +
-                                               static_cast<std::ptrdiff_t>(x) * plane.x_stride,
-                                           plane.type == PixelType::half ? Depth::half : Depth::float32, true);
-        const auto same = [&](std::size_t at, bool there, std::ptrdiff_t step) {
-            return there && ids[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(at) + step)] == ids[at];
-        };
-        const auto row = static_cast<std::ptrdiff_t>(w);
-        for (std::size_t y = 0; y < h; ++y)
-            for (std::size_t x = 0; x < w; ++x) {
-                const std::size_t at = y * w + x;
-                sure[at] = ids[at] == std::floor(ids[at]) && (same(at, x > 0, -1) || same(at, x + 1 < w, 1)) &&
-                           (same(at, y > 0, -row) || same(at, y + 1 < h, row));
-            }
-        std::byte* to = mended.data() + c * size * sizeof(float);
-        for (std::size_t y = 0; y < h; ++y)
-            for (std::size_t x = 0; x < w; ++x) {
-                float id = 0;
-                int nearest = 100;
-                for (int dy = -2; dy <= 2; ++dy)
-                    for (int dx = -2; dx <= 2; ++dx) {
-                        const auto i = static_cast<std::ptrdiff_t>(x) + dx, j = static_cast<std::ptrdiff_t>(y) + dy;
-                        if (i < 0 || j < 0 || i >= row || j >= static_cast<std::ptrdiff_t>(h)) continue;
-                        const auto from = static_cast<std::size_t>(j * row + i);
-                        if (!sure[from] || dx * dx + dy * dy >= nearest) continue;
-                        nearest = dx * dx + dy * dy;
-                        id = ids[from];
-                    }
-                std::memcpy(to + (y * w + x) * sizeof id, &id, sizeof id);
-            }
-    }
+    for (std::size_t c = 0; c < planes_.size(); ++c)
+        mend(static_cast<int>(c), reinterpret_cast<float*>(mended.data()) + c * size, cancel);
     memory_ = std::move(mended);
     for (std::size_t c = 0; c < planes_.size(); ++c)
         planes_[c] = {memory_.data() + c * size * sizeof(float), PixelType::float32, sizeof(float),
-                      static_cast<std::ptrdiff_t>(w * sizeof(float))};
+                      std::ptrdiff_t{4} * width_};
+}
+
+void FramePlanes::mend(int component, float* to, const std::atomic<bool>& cancel) const {
+    const ConstPlane& plane = (*this)[component];
+    const int w = width_, h = height_, threads = default_threads();
+    const auto at = [w](int x, int y) {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x);
+    };
+    std::vector<float> ids(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
+    std::vector<char> sure(ids.size());
+    const Depth depth = plane.type == PixelType::half ? Depth::half : Depth::float32;
+    parallel_for(h, threads, &cancel, [&](int, int y) {
+        for (int x = 0; x < w; ++x)
+            ids[at(x, y)] = number_at(plane.data + y * plane.y_stride + x * plane.x_stride, depth, true);
+    });
+    parallel_for(h, threads, &cancel, [&](int, int y) {
+        for (int x = 0; x < w; ++x) {
+            const float id = ids[at(x, y)];
+            const bool beside = (x > 0 && ids[at(x - 1, y)] == id) || (x + 1 < w && ids[at(x + 1, y)] == id);
+            const bool above = (y > 0 && ids[at(x, y - 1)] == id) || (y + 1 < h && ids[at(x, y + 1)] == id);
+            sure[at(x, y)] = id == std::floor(id) && beside && above;
+        }
+    });
+    parallel_for(h, threads, &cancel, [&](int, int y) {
+        for (int x = 0; x < w; ++x) {
+            float id = sure[at(x, y)] ? ids[at(x, y)] : 0;
+            int nearest = sure[at(x, y)] ? 0 : 100;
+            for (int j = std::max(y - 2, 0); nearest > 0 && j <= std::min(y + 2, h - 1); ++j)
+                for (int i = std::max(x - 2, 0); i <= std::min(x + 2, w - 1); ++i) {
+                    const int distance = (i - x) * (i - x) + (j - y) * (j - y);
+                    if (!sure[at(i, j)] || distance >= nearest) continue;
+                    nearest = distance;
+                    id = ids[at(i, j)];
+                }
+            to[at(x, y)] = id;
+        }
+    });
 }
 
 }  // namespace relume::ofx

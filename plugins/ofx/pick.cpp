@@ -75,9 +75,10 @@ Surface picked_surface(const Instance& instance, const std::array<double, 2>& po
                           display.x + floor_of((point[0] - origin.x1) / static_cast<double>(gbuffer.pixel_aspect())),
                           display.y_end() - 1 - floor_of(point[1] - origin.y1));
     }
-    const ClipGBuffer clips(instance, time, scale_x, scale_y, node.rig.gbuffer);
+    ClipGBuffer clips(instance, time, scale_x, scale_y, node.rig.gbuffer);
     const PixelGrid& grid = clips.grid();
-    return surface_at(clips.understand(), floor_of(point[0] * grid.scale_x / grid.aspect) - grid.display.x1,
+    const std::atomic<bool> never{false};
+    return surface_at(clips.understand(never), floor_of(point[0] * grid.scale_x / grid.aspect) - grid.display.x1,
                       grid.display.y2 - 1 - floor_of(point[1] * grid.scale_y));
 }
 

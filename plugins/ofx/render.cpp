@@ -45,7 +45,7 @@ OutputImage fetch_output(const Instance& instance, const RenderArguments& a) {
 }
 
 void render_clips(const Instance& instance, const NodeRig& node, const RenderArguments& a) {
-    const ClipGBuffer clips(instance, a.time, a.scale_x, a.scale_y, node.rig.gbuffer);
+    ClipGBuffer clips(instance, a.time, a.scale_x, a.scale_y, node.rig.gbuffer);
     OutputImage output = fetch_output(instance, a);
     const OfxRectI part = intersection(output.window(), clips.grid().frame);
     if (is_empty(part)) {
@@ -53,7 +53,7 @@ void render_clips(const Instance& instance, const NodeRig& node, const RenderArg
         return;
     }
     run_abortable(instance.effect(), [&](const std::atomic<bool>& cancel) {
-        const GBuffer gbuffer = clips.understand();
+        const GBuffer gbuffer = clips.understand(cancel);
         const Rig rig = complete_rig(node, gbuffer);
         const Window region = clips.grid().window(part);
         if (part.x1 != output.window().x1 || part.x2 != output.window().x2 || part.y1 != output.window().y1 ||
