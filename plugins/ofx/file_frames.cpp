@@ -39,6 +39,8 @@ struct Understood {
         std::filesystem::path path;
         GBufferOptions options;
         std::shared_ptr<const FileGBuffer> file;
+        int relights = 0;
+        bool kept = false;  ///< with its pixels
     };
     std::mutex mutex;
     std::list<Entry> entries;
@@ -87,7 +89,7 @@ std::string key_of(const std::filesystem::path& path, const NodeRig& node) {
 std::shared_ptr<const FileFrame> relight_once(const std::filesystem::path& path, const NodeRig& node,
                                               const std::atomic<bool>& cancel) {
     for (int attempt = 1;; ++attempt) {
-        const std::shared_ptr<const FileGBuffer> file = understand_file(path, node.rig.gbuffer);
+        const std::shared_ptr<const FileGBuffer> file = understand_file(path, node.rig.gbuffer, true);
         if (cancel) throw Error(ErrorKind::cancelled, "cancelled");
         const GBuffer& gbuffer = file->gbuffer;
         auto frame = std::make_shared<FileFrame>();
@@ -195,8 +197,10 @@ std::size_t frame_budget() {
     return megabytes * kMegabyte;
 }
 
-std::shared_ptr<const FileGBuffer> understand_file(const std::filesystem::path& path, const GBufferOptions& options) {
+std::shared_ptr<const FileGBuffer> understand_file(const std::filesystem::path& path, const GBufferOptions& options,
+                                                   bool relight) {
     Understood& all = understood();
+    bool keep = false;
     {
         const std::scoped_lock lock(all.mutex);
         for (auto at = all.entries.begin(); at != all.entries.end(); ++at) {
@@ -206,7 +210,9 @@ std::shared_ptr<const FileGBuffer> understand_file(const std::filesystem::path& 
                 break;
             }
             all.entries.splice(all.entries.begin(), all.entries, at);
-            return at->file;
+            keep = relight && ++at->relights == 2 && !at->kept;
+            if (!keep) return at->file;
+            break;
         }
     }
     // The state is from before the reading: what changes meanwhile shows.
@@ -214,9 +220,15 @@ std::shared_ptr<const FileGBuffer> understand_file(const std::filesystem::path& 
     for (const auto& [name, rule] : options.channels)
         if (rule.channel)
             if (const FileState state = FileState::of(*rule.channel); state.size >= 0) files.push_back(state);
-    auto file = std::make_shared<const FileGBuffer>(FileGBuffer{GBuffer::read(path, options), std::move(files)});
+    GBuffer gbuffer = GBuffer::read(path, options);
+    if (keep) gbuffer.keep_pixels(static_cast<std::int64_t>(frame_budget()));
+    auto file = std::make_shared<const FileGBuffer>(FileGBuffer{std::move(gbuffer), std::move(files)});
     const std::scoped_lock lock(all.mutex);
-    all.entries.push_front({path, options, file});
+    // One entry of a file, and one file with its pixels.
+    all.entries.remove_if([&](const Understood::Entry& entry) {
+        return (keep && entry.kept) || (entry.path == path && entry.options == options);
+    });
+    all.entries.push_front({path, options, file, keep ? 2 : relight ? 1 : 0, keep});
     if (all.entries.size() > kMostUnderstood) all.entries.pop_back();
     return file;
 }

@@ -40,8 +40,10 @@ struct FileFrame {
 /// connected.
 std::string gbuffer_file(const Instance& instance, const NodeRig& node);
 
-/// Understands a file, or remembers that it did. What changed on disk is read again. Errors: as GBuffer::read.
-std::shared_ptr<const FileGBuffer> understand_file(const std::filesystem::path& path, const GBufferOptions& options);
+/// Understands a file, or remembers that it did. What changed on disk is read again. `relight`: to relight it; the
+/// second time its decoded pixels are kept as well, for then somebody turns knobs. Errors: as GBuffer::read.
+std::shared_ptr<const FileGBuffer> understand_file(const std::filesystem::path& path, const GBufferOptions& options,
+                                                   bool relight = false);
 
 /// Relights a file's frame, or remembers that it did. Renders that want the same frame at once wait for one relight,
 /// which ends when none of them wants it any more. Errors: as GBuffer::read and relight; file (it changed while it was
@@ -54,7 +56,8 @@ void purge_frames();
 /// The same, and waits for relights that still run.
 void end_frames();
 
-/// Bytes of frames that are kept: 1 GiB, or RELUME_OFX_CACHE_MB.
+/// Bytes of relit frames that are kept, and as many again of the decoded pixels of one file: 1 GiB, or
+/// RELUME_OFX_CACHE_MB.
 std::size_t frame_budget();
 
 }  // namespace relume::ofx
