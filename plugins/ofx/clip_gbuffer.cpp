@@ -12,12 +12,15 @@ namespace {
 
 constexpr double kInfinite = 1e7;  ///< a canonical coordinate beyond this has no end
 
+constexpr std::int64_t kMostPixels = std::int64_t{1} << 30;  ///< as of a file
+
 /// Canonical to pixels, outwards, but for what rounding adds.
 OfxRectI pixels_of(const OfxRectD& rect, const PixelGrid& grid) {
     constexpr double kSlack = 1e-4;
     const double sx = grid.scale_x / grid.aspect, sy = grid.scale_y;
-    return {static_cast<int>(std::floor(rect.x1 * sx + kSlack)), static_cast<int>(std::floor(rect.y1 * sy + kSlack)),
-            static_cast<int>(std::ceil(rect.x2 * sx - kSlack)), static_cast<int>(std::ceil(rect.y2 * sy - kSlack))};
+    const auto whole = [](double v) { return static_cast<int>(std::clamp(v, -1e9, 1e9)); };
+    return {whole(std::floor(rect.x1 * sx + kSlack)), whole(std::floor(rect.y1 * sy + kSlack)),
+            whole(std::ceil(rect.x2 * sx - kSlack)), whole(std::ceil(rect.y2 * sy - kSlack))};
 }
 
 double positive(double value, double fallback) { return value > 0 && std::isfinite(value) ? value : fallback; }
@@ -86,6 +89,9 @@ ClipGBuffer::ClipGBuffer(const Instance& instance, double time, double scale_x, 
     // A host that says no region gives images of the whole.
     if (!known) grid_.frame = inputs_.front().image.bounds();
     if (is_empty(grid_.frame)) throw Error(ErrorKind::value, "clip 'Source' defines no pixels");
+    const std::int64_t area = std::int64_t{grid_.frame.x2 - grid_.frame.x1} * (grid_.frame.y2 - grid_.frame.y1);
+    if (area > kMostPixels)
+        throw Error(ErrorKind::value, "clip 'Source' defines " + std::to_string(area) + " pixels; crop it first");
     const std::optional<OfxRectD> format = project_format(instance);
     grid_.display = format ? pixels_of(*format, grid_) : grid_.frame;
 }

@@ -186,6 +186,14 @@ TEST_F(OfxFormatsTest, SourceWithoutEnd) {
     EXPECT_EQ(region->y2, 41);
 }
 
+TEST_F(OfxFormatsTest, SourceThatNobodyCanHold) {
+    scene().connect(node);
+    light_one(node);
+    node.clip("Source").region_of_definition = OfxRectD{-9e6, -9e6, 9e6, 9e6};
+    EXPECT_EQ(node.render({.window = scene().bounds}, image), kFailed);
+    EXPECT_NE(node.instance().message.find("'Source'"), std::string::npos) << node.instance().message;
+}
+
 TEST_F(OfxFormatsTest, PixelAspectReachesTheCamera) {
     for (const double aspect : {1.0, 2.0, 0.5}) {
         for (const char* clip : kAllClips) node.clip(clip).aspect = aspect;
