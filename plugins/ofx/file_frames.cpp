@@ -99,8 +99,10 @@ std::shared_ptr<const FileFrame> relight_once(const std::filesystem::path& path,
         std::exception_ptr failure;
         try {
             const auto width = static_cast<std::size_t>(frame->data_window.width);
-            frame->rgba.resize(4 * width * static_cast<std::size_t>(frame->data_window.height));
-            auto* data = reinterpret_cast<std::byte*>(frame->rgba.data());
+            frame->size = 4 * width * static_cast<std::size_t>(frame->data_window.height);
+            // Not cleared: that would be one thread's work, and as long as the relight.
+            frame->rgba = std::make_unique_for_overwrite<float[]>(frame->size);
+            auto* data = reinterpret_cast<std::byte*>(frame->rgba.get());
             const auto y_stride = static_cast<std::ptrdiff_t>(16 * width);
             std::vector<Plane> planes;
             for (std::ptrdiff_t k = 0; k < 4; ++k) planes.push_back({data + 4 * k, PixelType::float32, 16, y_stride});
@@ -135,7 +137,7 @@ void run(const std::shared_ptr<Job>& job, const std::filesystem::path& path, con
     if (failure) {
         all.jobs.remove(job);
     } else {
-        job->bytes = job->frame->rgba.size() * sizeof(float);
+        job->bytes = job->frame->size * sizeof(float);
         std::size_t kept = 0;
         for (auto at = all.jobs.begin(); at != all.jobs.end();) {
             kept += (*at)->bytes;

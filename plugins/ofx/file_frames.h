@@ -33,7 +33,8 @@ struct FileGBuffer {
 struct FileFrame {
     Window data_window, display_window;
     double aspect = 1;
-    std::vector<float> rgba;
+    std::size_t size = 0;  ///< of rgba
+    std::unique_ptr<float[]> rgba;
 };
 
 /// The file that the node takes its G-buffer from: the parameter's, else the rig's where the Normal clip is not

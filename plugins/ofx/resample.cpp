@@ -50,7 +50,7 @@ std::vector<float> resample(const FileFrame& frame, const Placement& placement, 
     // The file's columns and rows as the node counts them: from the display window's lower left, y up.
     const int left = data.x - frame.display_window.x, bottom = frame.display_window.y_end() - data.y_end();
     const auto row_of = [&](int y) {
-        return frame.rgba.data() + std::size_t{4} * static_cast<std::size_t>(data.width) *
+        return frame.rgba.get() + std::size_t{4} * static_cast<std::size_t>(data.width) *
                                        static_cast<std::size_t>(bottom + data.height - 1 - y);
     };
     if (placement.is_identity()) {
