@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "gbuffer/gbuffer_impl.h"
+#include "gbuffer/kept_pixels.h"
 #include "gbuffer/stored_image.h"
 
 namespace relume {
@@ -55,6 +56,12 @@ GBuffer::~GBuffer() = default;
 
 GBuffer GBuffer::read(const std::filesystem::path& path, const GBufferOptions& options, int threads) {
     return GBuffer(gbuffer::understand(gbuffer::open_file(path, gbuffer::read_limits(options)), options, threads));
+}
+
+void GBuffer::keep_pixels(std::int64_t bytes) {
+    const auto free = std::make_shared<std::atomic<std::int64_t>>(bytes);
+    for (gbuffer::SourceFile& file : impl_->files)
+        file.pixels = std::make_shared<gbuffer::KeptPixels>(file.pixels, impl_->data_window, free);
 }
 
 const Window& GBuffer::data_window() const { return impl_->data_window; }

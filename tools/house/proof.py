@@ -22,6 +22,9 @@ _SANITIZER_ENVIRONMENT = {
 }
 
 
+#: The node in a host of our own.
+_OFX_TESTS = "plugins/relume_ofx_tests"
+
 #: Of each fuzz target, within ./dev test.
 _FUZZ_SECONDS = 15
 
@@ -35,11 +38,12 @@ class Tally:
     failures: list[str] = field(default_factory=list)
 
 
-def _gtest(tally: Tally, preset: str, isa: str | None = None) -> None:
-    """Run the C++ tests of a preset, for one instruction set where one is named."""
-    title = f"C++ tests, {preset}" + (f", {isa}" if isa else "")
-    program = BUILD / preset / "tests" / "cpp" / "relume_tests"
-    report = BUILD / preset / f"gtest-{isa or 'default'}.json"
+def _gtest(tally: Tally, preset: str, isa: str | None = None, tests: str = "cpp/relume_tests") -> None:
+    """Run C++ tests of a preset, for one instruction set where one is named."""
+    kind = "C++ tests" if tests == "cpp/relume_tests" else f"tests of {tests.rpartition('/')[2]}"
+    title = f"{kind}, {preset}" + (f", {isa}" if isa else "")
+    program = BUILD / preset / "tests" / tests
+    report = BUILD / preset / f"{program.name}-{isa or 'default'}.json"
     report.unlink(missing_ok=True)
     environment = build.python_environment() | _SANITIZER_ENVIRONMENT
     if isa:
@@ -110,11 +114,13 @@ def test(arguments: list[str]) -> int:
     build.build("release")
     for isa in processor.instruction_sets():
         _gtest(tally, "release", isa)
+    _gtest(tally, "release", tests=_OFX_TESTS)
     _pytest(tally, arguments)
     if not quick:
         for preset in ("asan-ubsan", "tsan", "clang"):
             if _step(tally, f"build without warnings, {preset}", functools.partial(build.build, preset)):
                 _gtest(tally, preset)
+                _gtest(tally, preset, tests=_OFX_TESTS)
         _step(tally, "damaged files and rigs under libFuzzer", functools.partial(fuzz.run, _FUZZ_SECONDS))
         _step(tally, "a program outside the tree, by find_package", package.out_of_tree)
         _step(tally, "the wheel, in a clean environment", package.wheel)

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <span>
+#include <string>
+
+#include "relume/gbuffer.h"
+#include "relume/rig.h"
+
+namespace relume::ofx {
+
+/// Relights a region of a G-buffer into four planes (the fourth may lack): the beauty, or an AOV with the beauty's
+/// alpha.
+void relight_picture(const GBuffer& gbuffer, const Rig& rig, const std::string& picture, const Window& region,
+                     std::span<const Plane> planes, const std::atomic<bool>& cancel);
+
+}  // namespace relume::ofx

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+// Hosts that lack something, hosts that want to stop, and that the node survives all of them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "ofx_scene.h"
+#include "relume/scenes.h"
+
+namespace relume::ofx::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+const SceneClips& scene() {
+    static const SceneClips made(60, 40);
+    return made;
+}
+
+OfxStatus render_scene_clips(Node& node, std::unique_ptr<Image>& image) {
+    scene().connect(node);
+    light_one(node);
+    return node.render({.window = scene().bounds}, image);
+}
+
+TEST(OfxFaultsTest, WithoutASuiteThatItNeedsItDoesNotLoad) {
+    for (const char* suite : {"OfxPropertySuite", "OfxImageEffectSuite", "OfxParameterSuite"}) {
+        Host host({.missing_suites = {suite}});
+        Node node(host, "");
+        EXPECT_EQ(node.loaded(), kErrMissingHostFeature) << suite;
+    }
+    Host host({.null_members = {"clipGetImage"}});
+    Node node(host, "");
+    EXPECT_EQ(node.loaded(), kErrMissingHostFeature);
+}
+
+TEST(OfxFaultsTest, WithoutAHostNothingHappens) {
+    const Binary binary;
+    binary.plugin()->setHost(nullptr);
+    EXPECT_EQ(binary.plugin()->mainEntry(name::kActionLoad, nullptr, nullptr, nullptr), kErrMissingHostFeature);
+    EXPECT_NE(binary.plugin()->mainEntry(name::kActionDescribe, nullptr, nullptr, nullptr), kOk);
+    EXPECT_NE(binary.plugin()->mainEntry(nullptr, nullptr, nullptr, nullptr), kOk);
+    OfxHost empty{};
+    binary.plugin()->setHost(&empty);
+    EXPECT_EQ(binary.plugin()->mainEntry(name::kActionLoad, nullptr, nullptr, nullptr), kErrMissingHostFeature);
+}
+
+TEST(OfxFaultsTest, UnknownActionsAreTheHosts) {
+    Host host;
+    Node node(host, name::kContextGeneral);
+    for (const char* action : {"OfxActionBeginInstanceChanged", "OfxActionSyncPrivateData", "NoSuchAction",
+                               "OfxImageEffectActionIsIdentity", "OfxImageEffectActionBeginSequenceRender"})
+        EXPECT_EQ(node.act(action, &node.instance()), kReplyDefault) << action;
+    EXPECT_EQ(node.act(name::kActionPurgeCaches, &node.instance()), kOk);
+}
+
+TEST(OfxFaultsTest, MembersThatAreNull) {
+    const std::vector<float> wanted = scene().relit(rig_one(), kAllClips);
+    for (const char* member :
+         {"abort", "clipGetPropertySet", "clipGetRegionOfDefinition", "paramGetValueAtTime", "paramSetValue",
+          "paramGetPropertySet", "message", "setPersistentMessage", "clearPersistentMessage"}) {
+        Host host({.null_members = {member}});
+        Node node(host, name::kContextGeneral);
+        std::unique_ptr<Image> image;
+        ASSERT_EQ(render_scene_clips(node, image), kOk) << member;
+        EXPECT_EQ(pixels(*image), wanted) << member;
+        node.clip("Normal").has_image = false;
+        EXPECT_EQ(node.render({.window = scene().bounds}, image), kFailed) << member;
+        EXPECT_EQ(complaints(host), "") << member;
+    }
+}
+
+TEST(OfxFaultsTest, MessagesByWhateverSuiteThereIs) {
+    std::unique_ptr<Image> image;
+    {
+        Host host({.missing_suites = {"OfxMessageSuite"}});
+        Node node(host, name::kContextGeneral);
+        EXPECT_EQ(node.render({.window = scene().bounds}, image), kFailed);
+    }
+    {
+        Host host({.missing_suites = {"OfxMessageSuite 2"}});
+        Node node(host, name::kContextGeneral);
+        EXPECT_EQ(node.render({.window = scene().bounds}, image), kFailed);
+        ASSERT_EQ(host.dialogs.size(), 1u);
+        EXPECT_NE(host.dialogs[0].find("Normal"), std::string::npos);
+    }
+    {
+        // Resolve's second version must not be called.
+        Host host({.name = "DaVinciResolveLite"});
+        Node node(host, name::kContextGeneral);
+        EXPECT_EQ(node.render({.window = scene().bounds}, image), kFailed);
+        EXPECT_EQ(host.dialogs.size(), 1u);
+        EXPECT_EQ(node.instance().message, "");
+    }
+}
+
+TEST(OfxFaultsTest, PropertiesThatAreUnknown) {
+    const std::vector<float> wanted = scene().relit(rig_one(), kAllClips);
+    for (const char* property : {name::kPropDescription,    name::kPropHostFrameThreading,
+                                 name::kPropFilePathExists, name::kPropDoubleType,
+                                 name::kPropGroupOpen,      name::kPropPageChild,
+                                 name::kPropConnected,      name::kPropPremultiplication,
+                                 name::kPropImageAspect,    name::kPropRenderScale,
+                                 name::kPropProjectSize,    name::kPropProjectOffset,
+                                 name::kPropProjectAspect,  name::kPropMin,
+                                 name::kPropDisplayMax,     name::kPropSecret,
+                                 name::kPropName,           name::kPropEvaluateOnChange,
+                                 name::kPropAnimates,       name::kPropFrameVarying}) {
+        Host host({.unknown_properties = {property}, .complain = false});
+        Node node(host, name::kContextGeneral);
+        std::unique_ptr<Image> image;
+        ASSERT_EQ(render_scene_clips(node, image), kOk) << property << ": " << node.instance().message;
+        EXPECT_EQ(pixels(*image), wanted) << property;
+        EXPECT_EQ(node.changed("light1_type"), kOk) << property;
+    }
+    // Without these there is no picture, and nobody falls over.
+    for (const char* property :
+         {name::kPropData, name::kPropBounds, name::kPropPixelDepth, name::kPropComponents, name::kPropRenderWindow}) {
+        Host host({.unknown_properties = {property}, .complain = false});
+        Node node(host, name::kContextGeneral);
+        std::unique_ptr<Image> image;
+        EXPECT_EQ(render_scene_clips(node, image), kFailed) << property;
+        EXPECT_NE(node.instance().message, "") << property;
+    }
+}
+
+TEST(OfxFaultsTest, ImagesOfFormatsThatNobodyHasSeen) {
+    Host host;
+    Node node(host, name::kContextGeneral);
+    scene().connect(node);
+    light_one(node);
+    std::unique_ptr<Image> image;
+    node.clip("BaseColor").components = "OfxImageComponentCMYK";
+    EXPECT_EQ(node.render({.window = scene().bounds}, image), kFailed);
+    EXPECT_NE(node.instance().message.find("CMYK"), std::string::npos);
+    node.clip("BaseColor").components = name::kAlpha;
+    EXPECT_EQ(node.render({.window = scene().bounds}, image), kFailed);
+    EXPECT_NE(node.instance().message.find("BaseColor"), std::string::npos) << node.instance().message;
+    node.clip("BaseColor").components = name::kRgb;
+    node.clip("Roughness").components = name::kAlpha;  // one number is all that it needs
+    ASSERT_EQ(node.render({.window = scene().bounds}, image), kOk) << node.instance().message;
+    EXPECT_EQ(pixels(*image), scene().relit(rig_one(), kAllClips));
+    EXPECT_EQ(complaints(host), "");
+}
+
+TEST(OfxFaultsTest, RenderWithoutCreateInstance) {
+    Host host;
+    Node node(host, name::kContextGeneral);
+    node.act(name::kActionDestroyInstance, &node.instance());
+    std::unique_ptr<Image> image;
+    EXPECT_EQ(render_scene_clips(node, image), kOk);
+    EXPECT_EQ(pixels(*image), scene().relit(rig_one(), kAllClips));
+}
+
+// ---- stopping
+
+/// Renders, and tells the node to stop `delay` after it first asked; the milliseconds until it has.
+double time_to_stop(Node& node, const RenderJob& job, std::chrono::milliseconds delay, OfxStatus& status) {
+    const auto never = Clock::time_point::max();
+    std::atomic<Clock::time_point> stop{never};
+    node.instance().abort = [&] {
+        if (stop.load() == never) stop = Clock::now() + delay;
+        return Clock::now() >= stop.load();
+    };
+    std::unique_ptr<Image> image;
+    status = node.render(job, image);
+    const auto end = Clock::now();
+    node.instance().abort = nullptr;
+    return stop.load() == never ? 1e9 : std::chrono::duration<double, std::milli>(end - stop.load()).count();
+}
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr int kLightCount = 20;  // a light costs fifty times as much there
+#else
+constexpr int kLightCount = 1000;
+#endif
+
+/// So many lights that a frame takes more than a second.
+class ManyLights {
+public:
+    ManyLights()
+        : path_(std::filesystem::temp_directory_path() / ("relume_many_" + std::to_string(getpid()) + ".relume")) {
+        std::ofstream file(path_);
+        for (int k = 0; k < kLightCount; ++k)
+            file << "[[light]]\ntype = \"spot\"\nposition = [" << 0.01 * k - 5
+                 << ", 3, 1]\ndirection = [0.1, -1, -0.2]\ncone_angle = 120\nintensity = 0.01\n";
+    }
+    ~ManyLights() { std::filesystem::remove(path_); }
+    std::string file() const { return path_.string(); }
+
+private:
+    std::filesystem::path path_;
+};
+
+TEST(OfxFaultsTest, StopsWithin50Milliseconds) {
+    Host host;
+    Node node(host, name::kContextGeneral);
+    const SceneClips small(64, 48);
+    // The scene's pixels, again and again: a frame that takes its time.
+    constexpr int kRepeat = 16;
+    const OfxRectI large{0, 0, 64 * kRepeat, 48 * kRepeat};
+    for (const char* clip : kAllClips) {
+        const Picture tile = small.picture(clip);
+        const auto whole =
+            std::make_shared<const Picture>(large, [&](int x, int y, int c) { return tile.at(x % 64, y % 48, c); });
+        node.connect(clip, [whole](double) { return *whole; });
+    }
+    const ManyLights lights;
+    node.set("rig", lights.file());
+    for (const int delay : {0, 10, 40, 150}) {
+        double best = 1e9;
+        for (int attempt = 0; attempt < 4 && best > 50; ++attempt) {
+            OfxStatus status = kFailed;
+            best = std::min(best, time_to_stop(node, {.window = large}, std::chrono::milliseconds(delay), status));
+            EXPECT_EQ(status, kOk);
+        }
+        EXPECT_LT(best, 50) << "stopped " << delay << " ms after the start";
+        EXPECT_EQ(node.instance().message, "");
+    }
+    EXPECT_EQ(complaints(host), "");
+}
+
+TEST(OfxFaultsTest, StopsWithin50MillisecondsOfAFile) {
+    const auto path = std::filesystem::temp_directory_path() / ("relume_stop_" + std::to_string(getpid()) + ".exr");
+    SceneOptions options;
+    options.width = 1600;
+    options.height = 1000;
+    options.samples = 1;
+    write_scene("sdf", path, options);
+    Host host;
+    {
+        Node node(host, name::kContextGenerator);
+        node.set("gbuffer_file", path.string());
+        const ManyLights lights;
+        node.set("rig", lights.file());
+        for (const int delay : {0, 10, 40, 150}) {
+            double best = 1e9;
+            for (int attempt = 0; attempt < 4 && best > 50; ++attempt) {
+                OfxStatus status = kFailed;
+                node.act(name::kActionPurgeCaches, &node.instance());
+                best = std::min(
+                    best, time_to_stop(node, {.window = {0, 0, 1600, 1000}}, std::chrono::milliseconds(delay), status));
+            }
+            EXPECT_LT(best, 50) << "stopped " << delay << " ms after the start";
+        }
+        // Stopped is not failed: the next render has its picture.
+        node.set("rig", "outdoor");
+        std::unique_ptr<Image> image;
+        EXPECT_EQ(node.render({.window = {0, 0, 64, 64}}, image), kOk) << node.instance().message;
+    }
+    std::filesystem::remove(path);
+    EXPECT_EQ(complaints(host), "");
+}
+
+TEST(OfxFaultsTest, UnloadsWhileAStoppedRelightStillRuns) {
+    const auto path = std::filesystem::temp_directory_path() / ("relume_unload_" + std::to_string(getpid()) + ".exr");
+    SceneOptions options;
+    options.width = 1600;
+    options.height = 1000;
+    options.samples = 1;
+    write_scene("sdf", path, options);
+    Host host;
+    for (int k = 0; k < 3; ++k) {
+        Node node(host, name::kContextGenerator);
+        node.set("gbuffer_file", path.string());
+        const ManyLights lights;
+        node.set("rig", lights.file());
+        OfxStatus status = kFailed;
+        time_to_stop(node, {.window = {0, 0, 1600, 1000}}, std::chrono::milliseconds(1), status);
+    }
+    std::filesystem::remove(path);
+    EXPECT_EQ(complaints(host), "");
+}
+
+}  // namespace
+}  // namespace relume::ofx::test
