@@ -73,6 +73,7 @@ public:
         }
         report.pixels = static_cast<std::int64_t>(window.width) * window.height;
         report.warnings = plan.warnings;
+        report.notes = plan.notes;
         report.seconds = std::chrono::duration<double>(Clock::now() - start_).count();
     }
 

@@ -68,7 +68,7 @@ def test_the_rigs_in_the_repository_are_those_that_were_tested(scene: Scene) -> 
 def test_averaged_normals_do_not_flash(case: Case, tmp_path: Path) -> None:
     """Against the same frame relit with every mean normal taken as a surface's own."""
     result = run(case, tmp_path)
-    text = rig(case.scene, case.lights, case.model) + '[gbuffer]\nnormal_variance = "off"\n'
+    text = rig(case.scene, case.lights, case.model, case.variant) + '[gbuffer]\nnormal_variance = "off"\n'
     gbuffer = case.scene.gbuffers[case.camera, case.kind]
     off = compare_edges(relight(gbuffer, text, tmp_path, "off"), result.truth, result.surface)
     own = result.edges
