@@ -26,7 +26,6 @@ inline Reciprocity reciprocity(const Model& m) {
         {"cook_torrance", Reciprocity::promised},
         {"default_lit", Reciprocity::promised},
         {"principled", Reciprocity::promised},
-        {"blender_principled", Reciprocity::promised},
         {"lambert_wrapped", Reciprocity::never},
         {"specular_mix", Reciprocity::never},
         {"unlit", Reciprocity::promised},
@@ -36,6 +35,9 @@ inline Reciprocity reciprocity(const Model& m) {
         return plain(m) ? Reciprocity::never : Reciprocity::promised;
     if (name == "cook_torrance" && m.options()[static_cast<std::size_t>(m.parameter("distribution").slot)] == 4)
         return Reciprocity::never;  // texture
+    if (name == "blender_principled")  // each layer takes from the next what it reflects of the view, not of the light
+        return m.options()[static_cast<std::size_t>(m.parameter("generation").slot)] == 1 ? Reciprocity::promised
+                                                                                         : Reciprocity::never;
     const auto found = kAlways.find(name);
     return found == kAlways.end() ? Reciprocity::unspecified : found->second;
 }
