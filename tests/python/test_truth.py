@@ -39,6 +39,8 @@ def _check(result: Result) -> None:
     assert result.renderer.plain.count > 4000, result.renderer.plain
     assert result.renderer.plain.median <= MEDIAN_BAR, result.renderer.plain
     assert result.renderer.plain.p99 <= P99_BAR, result.renderer.plain
+    if result.case.every_material:
+        assert not result.renderer.beyond_bars()
     assert result.double is not None
     assert result.double.median <= DOUBLE_MEDIAN_BAR, result.double
     assert result.double.p99 <= (DOUBLE_P99_BAR_SPOT if "spot" in result.case.lights else DOUBLE_P99_BAR), result.double

@@ -56,6 +56,11 @@ class Case:
         """The model is the renderer's own, so the bars hold."""
         return self.model in EXACT
 
+    @property
+    def every_material(self) -> bool:
+        """The model is the renderer's to the last material, those with bump too, and each has to meet the bar."""
+        return self.model == "blender_principled" and self.scene.generation == 5 and len(self.lights) == 1
+
 
 @dataclass(frozen=True)
 class Result:

@@ -189,8 +189,9 @@ def _ggx(n: Array, v: Array, l: Array, frame: tuple[Array, Array], ax: Array, ay
     """D*G2/(4 NdotV), height-correlated (Heitz 2014)."""
     h = unit(v + l)
     x, y = frame
+    rough = ax * ay > MIRROR
+    ax, ay = np.where(rough, ax, 1.0), np.where(rough, ay, 1.0)
     nv, nl = np.maximum(dot(n, v), 1e-4), dot(n, l)
-    # (n.h)^2 as 1 - x^2 - y^2 of the frame does not cancel near the peak, where the sum is 1.
     hx, hy = dot(x, h), dot(y, h)
     bracket = hx**2 / ax**2 + hy**2 / ay**2 + dot(n, h) ** 2
     d = 1 / (np.pi * ax * ay * bracket**2)
@@ -200,7 +201,7 @@ def _ggx(n: Array, v: Array, l: Array, frame: tuple[Array, Array], ax: Array, ay
         return 0.5 * (np.sqrt(1 + slope2) - 1)
 
     lobe = d / (1 + smith(v, nv) + smith(l, nl)) / (4 * nv)
-    return np.where((nl > 0) & (ax * ay > MIRROR), lobe, 0.0)
+    return np.where((nl > 0) & rough, lobe, 0.0)
 
 
 def _frame(n: Array, tangent: Array, turns: Array) -> tuple[Array, Array]:
