@@ -12,7 +12,7 @@ namespace principled_row {
 /// A color that is below 0 where it isn't given: what that means differs between the generations.
 constexpr Parameter tint(std::string_view name, int slot, std::string_view label, std::string_view help) {
     Parameter out = row::color(name, slot, -1, -1, -1, label, help);
-    out.has_default = false;
+    out.min = -1;
     return out;
 }
 }  // namespace principled_row
@@ -45,7 +45,8 @@ struct BlenderPrincipled {
         "= clearcoat_roughness², G of alpha 0.25, ior 1.5. tint = base_color over its luminance (weights 0.3, 0.6, 0.1). No energy is "
         "taken from the diffuse part by the highlight: the sum may pass 1 at grazing view. Reciprocal.\n"
         "Both: anisotropic stretches alpha to alpha/aspect and alpha·aspect (in generation 3 at most 1), aspect = √(1−0.9·anisotropic). "
-        "Roughness below 0.018 (alpha² ≤ 1e-7) is a mirror, as in Cycles: no highlight of sun, point and spot lights. Left out: subsurface, "
+        "Roughness below 0.0038 (alpha² ≤ 2e-10; in generation 3 0.018, 1e-7) is a mirror, as in Cycles: no highlight of sun, point and spot "
+        "lights. Left out: subsurface, "
         "transmission and thin film; in generation 3 also Multiscatter GGX and the bump terminator.";
 
     template <class T> using Params = BlenderPrincipledParams<T>;
@@ -59,14 +60,14 @@ struct BlenderPrincipled {
                     "Generation 5: IOR Level, 0.5 is the reflectance of ior, 1 twice that. Generation 3: reflectance at normal "
                     "incidence in units of 8 %."),
         principled_row::tint("specular_tint", RELUME_SLOT(specular_tint), "Specular tint",
-             "Generation 5: color of the highlight at normal incidence, for metals at 82°; white where it isn't given. Generation "
-             "3: one number from 0 to 1, how much a dielectric's highlight has of the base color's hue; 0."),
+             "Generation 5: color of the highlight at normal incidence, for metals at 82°; below 0, it is white. Generation 3: one "
+             "number from 0 to 1, how much a dielectric's highlight has of the base color's hue; below 0, none."),
         row::anisotropy(RELUME_SLOT(anisotropic), "anisotropic", 0),
         row::scalar("anisotropic_rotation", RELUME_SLOT(anisotropic_rotation), 0, 0, 1, "Anisotropic rotation",
                     "Turns the tangent about the normal; 1 is a full turn."),
         principled_row::tint("sheen_tint", RELUME_SLOT(sheen_tint), "Sheen tint",
-             "Generation 5: color of the sheen; white where it isn't given. Generation 3: one number from 0 to 1, how much it has of "
-             "the base color's hue; 0.5."),
+             "Generation 5: color of the sheen; below 0, it is white. Generation 3: one number from 0 to 1, how much it has of "
+             "the base color's hue; below 0, half."),
         row::emission(RELUME_SLOT(emission)),
         row::scalar("ior", RELUME_SLOT(ior), 1.5, 1, kUnbounded, "IOR",
                     "Generation 5: index of refraction of the dielectric.", 1, 2.5),

@@ -144,6 +144,13 @@ class Surface:
             one &= (other == self.object_id) | (other == 0) | (self.object_id == 0)
         return one & self._framed()
 
+    def border(self) -> NDArray[np.bool_]:
+        """Pixels whose 3×3 neighbourhood shows two objects."""
+        here = self.object_id
+        others = [_shifted(here, j, i) for j, i in _neighbours()]
+        least = np.min([np.where(each > 0, each, np.iinfo(np.int64).max) for each in [here, *others]], axis=0)
+        return np.max([here, *others], axis=0) > least
+
     def _framed(self) -> NDArray[np.bool_]:
         framed = np.zeros(self.depth.shape, dtype=bool)
         framed[1:-1, 1:-1] = True

@@ -88,6 +88,7 @@ class Edges:
 
     A firefly is brighter than the brightest truth of its 3×3 neighbourhood by a quarter and 0.02, a dark fringe darker
     than the darkest by the same. `fireflies` and `fringes` are counted at partly covered pixels and their neighbours,
+    unless two objects meet there,
     `inner_fireflies` at borders of one object with another and at creases, where one mean normal stands for two
     surfaces; `worst` is the largest excess there, `mixed` the root mean square error where the normal is such a mean.
     """
@@ -116,7 +117,7 @@ def compare_edges(image: Array, truth: Array, surface: Surface) -> Edges:
     error = np.nan_to_num(np.abs(image - truth).max(axis=-1), nan=np.inf)
     edge = error[surface.silhouette()]
     covered = surface.coverage > 0.001
-    near = _local(covered & (surface.coverage < 0.999), np.maximum) & covered
+    near = _local(covered & (surface.coverage < 0.999), np.maximum) & covered & ~surface.border()
     above = np.nan_to_num((image - 1.25 * _local(truth, np.maximum) - 0.02).max(axis=-1), nan=np.inf)
     below = np.nan_to_num((0.75 * _local(truth, np.minimum) - 0.02 - image).max(axis=-1), nan=np.inf)
     inner = covered & ~near

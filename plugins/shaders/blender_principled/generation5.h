@@ -19,6 +19,7 @@ struct BlenderPrincipled5 {
 
     static constexpr bool needs_tangent = true;
     static constexpr bool lit_from_below = true;  // a coat has a normal of its own; what is below is made 0 here
+    static constexpr bool reads_slot(int slot) { return slot < RELUME_SLOT(sheen) || slot >= RELUME_SLOT(ior); }
     static constexpr bool prepares_once = true;
     static constexpr bool single_batches = true;
 

@@ -150,12 +150,20 @@ template <class T> RELUME_INLINE Vec3<T> light_direction(const DirectLight& ligh
     return l;
 }
 
+/// A variant that shares its Params with others may leave some out: `static constexpr bool reads_slot(int slot)`.
+template <class S> constexpr bool reads_slot(int slot) {
+    if constexpr (requires { S::reads_slot(slot); }) return S::reads_slot(slot);
+    else return slot >= 0;
+}
+
 /// Where a tile's parameters come from, without a branch: slot k of pixel i is at base[k] + (i & mask[k]), a constant's
-/// mask is 0 and its base a batch of copies.
+/// mask is 0 and its base a batch of copies. `unread` lists those planes that the model leaves out.
 template <class S, class T> struct SlotSources {
     static constexpr int kSlots = kFloatSlots<S>;
     const float* base[kSlots];
     std::ptrdiff_t mask[kSlots];
+    int unread[kSlots];
+    int unread_count = 0;
     alignas(64) float copies[kSlots][kWidth<T>];
 
     RELUME_INLINE explicit SlotSources(const ShaderTile& tile) {
@@ -163,6 +171,7 @@ template <class S, class T> struct SlotSources {
             for (float& copy : copies[k]) copy = tile.constants[k];
             base[k] = tile.slots[k] != nullptr ? tile.slots[k] : copies[k];
             mask[k] = tile.slots[k] != nullptr ? -1 : 0;
+            if (tile.slots[k] != nullptr && !reads_slot<S>(k)) unread[unread_count++] = k;
         }
     }
 };
@@ -170,8 +179,10 @@ template <class S, class T> struct SlotSources {
 template <class S, class T>
 RELUME_INLINE void load_params(typename S::template Params<T>& params, const SlotSources<S, T>& from, int i) {
     T* slots = reinterpret_cast<T*>(&params);
-    static_for<kFloatSlots<S>>([&](auto k)
-                                   RELUME_INLINE_LAMBDA { slots[k] = load<T>(from.base[k] + (i & from.mask[k])); });
+    static_for<kFloatSlots<S>>([&](auto k) RELUME_INLINE_LAMBDA {
+        if constexpr (reads_slot<S>(k)) slots[k] = load<T>(from.base[k] + (i & from.mask[k]));
+        else slots[k] = T(0.f);
+    });
 }
 
 /// The model's uniform values, copied out of the tile or the evaluation.
@@ -192,7 +203,9 @@ RELUME_INLINE auto prepare(const typename S::template Params<T>& params, const t
 template <class S, class T> RELUME_INLINE T sum_of(const typename S::template Params<T>& params) {
     const T* slots = reinterpret_cast<const T*>(&params);
     T sum[2] = {T(0.f), T(0.f)};
-    static_for<kFloatSlots<S>>([&](auto k) RELUME_INLINE_LAMBDA { sum[k % 2] = sum[k % 2] + slots[k]; });
+    static_for<kFloatSlots<S>>([&](auto k) RELUME_INLINE_LAMBDA {
+        if constexpr (reads_slot<S>(k)) sum[k % 2] = sum[k % 2] + slots[k];
+    });
     return sum[0] + sum[1];
 }
 
@@ -210,8 +223,9 @@ RELUME_INLINE void prefetch_inputs(const ShaderTile& tile, const SlotSources<S, 
         prefetch_ahead<T>(tile.normal[k] + i);
         if (tile.position[0] != nullptr) prefetch_ahead<T>(tile.position[k] + i);
     }
-    static_for<kFloatSlots<S>>([&](auto k)
-                                   RELUME_INLINE_LAMBDA { prefetch_ahead<T>(from.base[k] + (i & from.mask[k])); });
+    static_for<kFloatSlots<S>>([&](auto k) RELUME_INLINE_LAMBDA {
+        if constexpr (reads_slot<S>(k)) prefetch_ahead<T>(from.base[k] + (i & from.mask[k]));
+    });
 }
 
 template <class T> RELUME_INLINE Vec3<T> load3(const float* const (&planes)[3], int i) {
@@ -304,6 +318,8 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& s
         }
     }
 
+    if constexpr (requires { S::reads_slot(0); })  // NaN in what the model leaves out counts all the same
+        for (int k = 0; k < sources.unread_count; ++k) poison = poison + load<T>(sources.base[sources.unread[k]] + i);
     typename S::template Params<T> params;
     load_params<S, T>(params, sources, i);
     if constexpr (prepares_once<S>()) poison = poison + sum_of<S, T>(params);
