@@ -4,8 +4,8 @@
     tools/generate_principled_tables.py [--sheen FILE.npz] [--check GGX.npz]
 
 GGX's are integrated here, in double precision. Sheen's cannot be: they are the measured coefficients of a linearly
-transformed cosine per view cosine and roughness (arrays A, B, R of 32 x 32); without ``--sheen`` that header stays as it
-is. ``--check`` compares what was integrated with another integration's s_ior, E and E_avg and writes nothing.
+transformed cosine per view cosine and roughness (arrays A, B, R of 32 x 32); without ``--sheen`` that header stays as
+it is. ``--check`` compares what was integrated with another integration's s_ior, E and E_avg and writes nothing.
 """
 
 from __future__ import annotations
@@ -113,6 +113,7 @@ def rises() -> Array:
 
 
 def array(name: str, comment: str, values: Array) -> Iterable[str]:
+    """Lines of a constant of C++."""
     yield f"/// {comment}"
     yield f"constexpr float {name}[{values.size}] = {{"
     flat = [f"{value:.7g}" for value in np.where(np.abs(values) < 1e-12, 0, values).ravel()]
@@ -128,12 +129,14 @@ def array(name: str, comment: str, values: Array) -> Iterable[str]:
 
 
 def header(path: Path, comment: str, arrays: Iterable[Iterable[str]]) -> None:
+    """Write one."""
     lines = [
         "// SPDX-License-Identifier: Apache-2.0",
         "#pragma once",
         "",
-        f"// {comment} Made by tools/generate_principled_tables.py: change that.",
-        "// Internal linkage: an object of one instruction set exports nothing.",
+        f"// {comment}",
+        "// Made by tools/generate_principled_tables.py: change that.",
+        "// Internal linkage, for an object of one instruction set exports nothing.",
         "",
         "// clang-format off",
         "namespace relume::shaders::table {",
@@ -146,6 +149,7 @@ def header(path: Path, comment: str, arrays: Iterable[Iterable[str]]) -> None:
 
 
 def check(path: str) -> None:
+    """Print how far another integration is from this one."""
     other = np.load(path)
     table, mean = albedos()
     for name, own, given in (
@@ -158,6 +162,7 @@ def check(path: str) -> None:
 
 
 def main() -> None:
+    """Integrate, then write or compare."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--sheen", metavar="FILE.npz", help="measured coefficients A, B, R")
     parser.add_argument("--check", metavar="GGX.npz", help="compare with s_ior, E, E_avg of another integration")

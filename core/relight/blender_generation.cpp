@@ -42,9 +42,9 @@ std::string_view first_of(const GBuffer& gbuffer, std::initializer_list<std::str
 
 std::pair<std::string_view, std::string> generation_for(const GBuffer& gbuffer) {
     const std::string producer(gbuffer.producer());
-    if (const auto version = version_of(producer))
-        return {*version <= 3 ? "3" : "5", producer + " wrote the G-buffer"};
-    if (const auto name = first_of(gbuffer, {"coat_weight", "coat_roughness", "sheen_weight", "diffuse_roughness", "ior"});
+    if (const auto version = version_of(producer)) return {*version <= 3 ? "3" : "5", producer + " wrote the G-buffer"};
+    if (const auto name =
+            first_of(gbuffer, {"coat_weight", "coat_roughness", "sheen_weight", "diffuse_roughness", "ior"});
         !name.empty())
         return {"5", "the G-buffer has a channel '" + std::string(name) + "'"};
     if (const auto name = first_of(gbuffer, {"clearcoat", "clearcoat_roughness", "sheen"}); !name.empty())

@@ -56,18 +56,21 @@ struct BlenderPrincipled {
         row::base_color(RELUME_SLOT(base_color)),
         row::metallic(RELUME_SLOT(metallic)),
         row::roughness(RELUME_SLOT(roughness)),
-        row::scalar("specular", RELUME_SLOT(specular), 0.5, 0, kUnbounded, "Specular",
-                    "Generation 5: IOR Level, 0.5 is the reflectance of ior, 1 twice that. Generation 3: reflectance at normal "
-                    "incidence in units of 8 %."),
-        principled_row::tint("specular_tint", RELUME_SLOT(specular_tint), "Specular tint",
-             "Generation 5: color of the highlight at normal incidence, for metals at 82°; below 0, it is white. Generation 3: one "
-             "number from 0 to 1, how much a dielectric's highlight has of the base color's hue; below 0, none."),
+        row::scalar(
+            "specular", RELUME_SLOT(specular), 0.5, 0, kUnbounded, "Specular",
+            "Generation 5: IOR Level, 0.5 is the reflectance of ior, 1 twice that. Generation 3: reflectance at normal "
+            "incidence in units of 8 %."),
+        principled_row::tint(
+            "specular_tint", RELUME_SLOT(specular_tint), "Specular tint",
+            "Generation 5: color of the highlight at normal incidence, for metals at 82°; below 0, it is white. Generation 3: one "
+            "number from 0 to 1, how much a dielectric's highlight has of the base color's hue; below 0, none."),
         row::anisotropy(RELUME_SLOT(anisotropic), "anisotropic", 0),
         row::scalar("anisotropic_rotation", RELUME_SLOT(anisotropic_rotation), 0, 0, 1, "Anisotropic rotation",
                     "Turns the tangent about the normal; 1 is a full turn."),
-        principled_row::tint("sheen_tint", RELUME_SLOT(sheen_tint), "Sheen tint",
-             "Generation 5: color of the sheen; below 0, it is white. Generation 3: one number from 0 to 1, how much it has of "
-             "the base color's hue; below 0, half."),
+        principled_row::tint(
+            "sheen_tint", RELUME_SLOT(sheen_tint), "Sheen tint",
+            "Generation 5: color of the sheen; below 0, it is white. Generation 3: one number from 0 to 1, how much it has of "
+            "the base color's hue; below 0, half."),
         row::emission(RELUME_SLOT(emission)),
         row::scalar("ior", RELUME_SLOT(ior), 1.5, 1, kUnbounded, "IOR",
                     "Generation 5: index of refraction of the dielectric.", 1, 2.5),
@@ -96,15 +99,18 @@ struct BlenderPrincipled {
         row::wide(row::scalar("clearcoat_roughness", RELUME_SLOT(clearcoat_roughness), 0.03, 0, 1,
                               "Clearcoat roughness", "Perceptual roughness of the clearcoat."),
                   LobeWidth::roughness),
-        row::choice("generation", RELUME_OPTION(generation), Options::newest, "auto|3|5", "Generation",
-                    "Which Principled BSDF: 3 is that of Blender 2.8 to 3.6, 5 that of Blender 4 and 5. auto: that of the Blender that wrote "
-                    "the G-buffer, 5 where none did."),
-        row::choice("distribution", RELUME_OPTION(distribution), Options::ggx, "ggx|multi_ggx", "Distribution",
-                    "Generation 5: whether metal and specular are compensated for what is scattered between facets, as Blender's "
-                    "Multiscatter GGX."),
-        row::choice("emission_is", RELUME_OPTION(emission_is), Options::by_source, "auto|emitted|seen", "Emission is",
-                    "Generation 5: what the surface emits, which sheen and coat then darken, or what is seen of it, as Cycles' Emission pass "
-                    "holds. auto: seen where it comes from that pass."),
+        row::choice(
+            "generation", RELUME_OPTION(generation), Options::newest, "auto|3|5", "Generation",
+            "Which Principled BSDF: 3 is that of Blender 2.8 to 3.6, 5 that of Blender 4 and 5. auto: that of the Blender that wrote "
+            "the G-buffer, 5 where none did."),
+        row::choice(
+            "distribution", RELUME_OPTION(distribution), Options::ggx, "ggx|multi_ggx", "Distribution",
+            "Generation 5: whether metal and specular are compensated for what is scattered between facets, as Blender's "
+            "Multiscatter GGX."),
+        row::choice(
+            "emission_is", RELUME_OPTION(emission_is), Options::by_source, "auto|emitted|seen", "Emission is",
+            "Generation 5: what the surface emits, which sheen and coat then darken, or what is seen of it, as Cycles' Emission pass "
+            "holds. auto: seen where it comes from that pass."),
     };
     static constexpr bool needs_tangent = true;
     static constexpr bool has_variants = true;

@@ -291,7 +291,9 @@ def test_claims_cost_no_memory(folder: Folder, limit: int | None) -> None:
     folder.gbuffer.write_bytes(_with_window(data, b"displayWindow", window))
     settings = [] if limit is None else ["--set", f"gbuffer.max_pixels={limit}"]
     command = ["relight", folder.gbuffer, "--rig", folder.rig, "-o", folder.output, *settings]
-    process = subprocess.Popen([sys.executable, "-m", "relume.cli", *map(str, command)], stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "relume.cli", *map(str, command)], stderr=subprocess.PIPE, text=True
+    )
     assert process.stderr is not None
     error = process.stderr.read()
     _, status, usage = os.wait4(process.pid, 0)

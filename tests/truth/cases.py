@@ -35,7 +35,6 @@ def _reference_model(case: Case) -> reference.Model | None:
     return "blender5_multi_ggx" if case.variant == "multiggx" else "blender5"
 
 
-
 @dataclass(frozen=True)
 class Case:
     """Which image is compared: a scene's camera and filter, the lights (several: the sum of their images), a model."""

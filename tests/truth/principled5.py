@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # ruff: noqa: E741 (l is the direction to the light, as everywhere in this project)
-"""The Principled BSDF of Blender 4 and 5 in double precision, written independently of the core: plain closed forms, one
-closure after the other. What it looks up are the tables that the shader has, read out of their headers; the tables are
-tested on their own.
+"""The Principled BSDF of Blender 4 and 5 in double precision, written independently of the core.
+
+Plain closed forms, one closure after the other. What it looks up are the tables that the shader has, read out of their
+headers; they are tested on their own (tests/python/test_principled_tables.py).
 """
 
 from __future__ import annotations
@@ -166,10 +167,7 @@ class _Layers:
         sheen_closure = self.sheen.mean(axis=-1)
         self.on_smooth = coat_closure + sheen_closure * m.coat_weight
         self.on_bump = (
-            base_closures
-            + specular_closure
-            + self.diffuse.mean(axis=-1)
-            + sheen_closure * (1 - m.coat_weight)
+            base_closures + specular_closure + self.diffuse.mean(axis=-1) + sheen_closure * (1 - m.coat_weight)
         )
 
 

@@ -120,7 +120,8 @@ def generated(results: Sequence[Result], pictures: Sequence[tuple[str, str]]) ->
     lines = [
         "Relative errors against the renderer's image: median / 90th / 99th percentile. The bars are "
         f"{MEDIAN_BAR:.0e} in the median and {P99_BAR:.0e} at the 99th percentile; ✓ says that a row keeps them. "
-        f"For Blender 5's Principled ✓ says besides that each material keeps {MATERIAL_MEDIAN_BAR:.0e} and {P99_BAR:.0e} on its own.",
+        f"For Blender 5's Principled ✓ says besides that each material keeps {MATERIAL_MEDIAN_BAR:.0e} "
+        f"and {P99_BAR:.0e} on its own.",
         "",
         "### The renderer's own model",
         "",

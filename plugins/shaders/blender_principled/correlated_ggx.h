@@ -47,7 +47,8 @@ template <class T> struct CorrelatedGgx {
         const T sum = fma(n_dot_l, masking_v, n_dot_v * masking_l);
         T lobe = weight * n_dot_l * rcp(sum * bracket * bracket);
         if (any_anisotropic) {
-            const T x = inv_x * dot(tangent, h), y = inv_y * dot(bitangent, h), n_dot_h = fma(q, constant<T>(-0.5), T(1.f));
+            const T x = inv_x * dot(tangent, h), y = inv_y * dot(bitangent, h),
+                    n_dot_h = fma(q, constant<T>(-0.5), T(1.f));
             const T wide = fma(x, x, fma(y, y, n_dot_h * n_dot_h));
             const T both = fma(n_dot_l, stretched_masking_v, n_dot_v * stretched_masking(l, n_dot_l));
             const T stretched = stretched_weight * n_dot_l * rcp(both * wide * wide);

@@ -32,7 +32,8 @@ RELUME_INLINE T bilinear(const float* table, int columns, const Between<T>& row,
 /// Mean of the rise (F − F0)/(1 − F0) of a dielectric over the facets that a viewer at cosine mu sees; `root` = √F0.
 template <class T> RELUME_INLINE T mean_rise(T root, T mu, T roughness) {
     constexpr int kNodes = 16;
-    const Between<T> z = between(safe_sqrt(root), kNodes), row = between(mu, kNodes), column = between(roughness, kNodes);
+    const Between<T> z = between(safe_sqrt(root), kNodes), row = between(mu, kNodes),
+                     column = between(roughness, kNodes);
     const Between<T> plane{z.first * constant<T>(kNodes), T(0.f)};
     const Between<T> at{plane.first + row.first, row.weight};
     const T low = bilinear(table::kRise, kNodes, at, column);
@@ -61,7 +62,8 @@ template <class T> RELUME_INLINE Compensation<T> compensation(T mu, T roughness)
     const Between<T> row = between(mu, kNodes), column = between(roughness, kNodes);
     Compensation<T> out;
     out.albedo = bilinear(table::kAlbedo, kNodes, row, column);
-    out.mean = lerp(gather(table::kMeanAlbedo, column.first), gather(table::kMeanAlbedo + 1, column.first), column.weight);
+    out.mean =
+        lerp(gather(table::kMeanAlbedo, column.first), gather(table::kMeanAlbedo + 1, column.first), column.weight);
     out.loss = (T(1.f) - out.albedo) * rcp(out.albedo);
     return out;
 }

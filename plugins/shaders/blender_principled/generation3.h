@@ -18,7 +18,8 @@ struct BlenderPrincipled3 {
     static constexpr bool lit_from_below = false;
     static constexpr bool reads_slot(int slot) {
         const int specular = RELUME_SLOT(specular_tint), sheen = RELUME_SLOT(sheen_tint);  // shares: one number each
-        return slot < RELUME_SLOT(ior) && (slot <= specular || slot > specular + 2) && (slot <= sheen || slot > sheen + 2);
+        return slot < RELUME_SLOT(ior) && (slot <= specular || slot > specular + 2) &&
+               (slot <= sheen || slot > sheen + 2);
     }
     static constexpr Lobe terms[] = {Lobe::diffuse, Lobe::diffuse, Lobe::specular, Lobe::specular};
 

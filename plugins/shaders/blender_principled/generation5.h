@@ -11,8 +11,8 @@
 
 namespace relume::shaders {
 
-/// blender_principled of Blender 4 and 5. Each layer lets through to the next what it does not reflect, which depends on
-/// the view alone.
+/// blender_principled of Blender 4 and 5. Each layer lets through to the next what it does not reflect, which depends
+/// on the view alone.
 struct BlenderPrincipled5 {
     template <class T> using Params = BlenderPrincipledParams<T>;
     using Options = BlenderPrincipledOptions;
@@ -155,7 +155,8 @@ struct BlenderPrincipled5 {
             out.metal = scale(w, in.metallic);
             if (scattered) {
                 const Color<T> rest = one_minus(in.metal_f0);
-                const Color<T> fss = fma(in.metal_dip, constant<T>(-1 / 126.), fma(rest, constant<T>(1 / 21.), in.metal_f0));
+                const Color<T> fss =
+                    fma(in.metal_dip, constant<T>(-1 / 126.), fma(rest, constant<T>(1 / 21.), in.metal_f0));
                 out.metal = mul(out.metal, lost(fss));
             }
             out.base_weight = mean(out.metal) * lost.albedo;
@@ -184,8 +185,8 @@ struct BlenderPrincipled5 {
         return fma(power - T(1.f), share, T(1.f));
     }
 
-    /// The bumped normal from Cycles' Normal pass, in which each closure's normal has the weight of its closure (that of
-    /// a compensated one times its albedo): the length that the mean had is what makes the base's normal unit.
+    /// The bumped normal from Cycles' Normal pass, in which each closure's normal has the weight of its closure (that
+    /// of a compensated one times its albedo): the length that the mean had is what makes the base's normal unit.
     template <class T>
     static RELUME_INLINE Vec3<T> unmixed(const Stack<T>& w, T coat_weight, const Vec3<T>& pass, const Vec3<T>& smooth) {
         const T one(1.f), sheen = mean(w.sheen);

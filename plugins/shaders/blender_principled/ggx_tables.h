@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Albedos of GGX lobes under height-correlated Smith masking, alpha = roughness². Made by tools/generate_principled_tables.py: change that.
-// Internal linkage: an object of one instruction set exports nothing.
+// Albedos of GGX lobes under height-correlated Smith masking, alpha = roughness².
+// Made by tools/generate_principled_tables.py: change that.
+// Internal linkage, for an object of one instruction set exports nothing.
 
 // clang-format off
 namespace relume::shaders::table {

@@ -10,8 +10,8 @@ namespace relume::shaders {
 ///
 /// 1 − E, E its albedo at a cosine, is A·sigma·(π/2 − 2/3 − q): written so, nothing cancels near roughness 0.
 template <class T> struct RoughDiffuse {
-    static constexpr double kMost = kPi / 2 - 2. / 3;         // q at grazing 0
-    static constexpr double kMean = (2 * kPi - 5.6) / 3;      // 2·∫q·µ dµ
+    static constexpr double kMost = kPi / 2 - 2. / 3;     // q at grazing 0
+    static constexpr double kMean = (2 * kPi - 5.6) / 3;  // 2·∫q·µ dµ
     T n_dot_v;
     T even, sheared;  // A, B
     T missing_v;      // (1 − E(v))/(A·sigma)
@@ -28,8 +28,8 @@ template <class T> struct RoughDiffuse {
         const T q = fma(s, fnma(s, c, acos(c) - constant<T>(2. / 3)), constant<T>(2. / 3) * third);
         return max(constant<T>(kMost) - q, T(0.f));
     }
-    /// Colour of the light that is given back, over base, for each missing(NdotL). As Cycles has it, which multiplies by
-    /// the base color once more than the papers do, and by 1 at most.
+    /// Colour of the light that is given back, over base, for each missing(NdotL). As Cycles has it, which multiplies
+    /// by the base color once more than the papers do, and by 1 at most.
     RELUME_INLINE Color<T> scattered(const Color<T>& base) const {
         const T one(1.f), missing_mean = sheared * constant<T>(kMost - kMean);  // 1 − mean E
         const T weight = sheared * missing_v * constant<T>(kInvPi / (kMost - kMean)) * (one - missing_mean);

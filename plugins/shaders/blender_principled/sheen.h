@@ -7,8 +7,8 @@
 
 namespace relume::shaders {
 
-/// Sheen of a layer of fibers: a cosine lobe, linearly transformed along the view's projection x on the surface (Zeltner,
-/// Burley, Chiang 2022). f·NdotL is albedo times this, ∫ = 1.
+/// Sheen of a layer of fibers: a cosine lobe, linearly transformed along the view's projection x on the surface
+/// (Zeltner, Burley, Chiang 2022). f·NdotL is albedo times this, ∫ = 1.
 template <class T> struct MicrofiberSheen {
     Vec3<T> axis, x;
     T a, b, albedo;
@@ -23,7 +23,8 @@ template <class T> struct MicrofiberSheen {
     }
 };
 
-template <class T> RELUME_INLINE MicrofiberSheen<T> microfiber_sheen(const Vec3<T>& axis, const Vec3<T>& v, T roughness) {
+template <class T>
+RELUME_INLINE MicrofiberSheen<T> microfiber_sheen(const Vec3<T>& axis, const Vec3<T>& v, T roughness) {
     constexpr int kNodes = 32;
     const T cosine = dot(axis, v);
     const Between<T> row = between(cosine, kNodes), column = between(roughness, kNodes);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Microfiber sheen as a linearly transformed cosine (Zeltner, Burley, Chiang 2022), measured. Made by tools/generate_principled_tables.py: change that.
-// Internal linkage: an object of one instruction set exports nothing.
+// Microfiber sheen as a linearly transformed cosine (Zeltner, Burley, Chiang 2022), measured.
+// Made by tools/generate_principled_tables.py: change that.
+// Internal linkage, for an object of one instruction set exports nothing.
 
 // clang-format off
 namespace relume::shaders::table {

@@ -210,8 +210,8 @@ TEST(BlenderPrincipled5, ANormalThatIsNotBumpedChangesNothing) {
 }
 
 TEST(BlenderPrincipled5, TheBumpUnderACoatIsRecoveredFromTheMeanOfTheNormals) {
-    // A smooth coat without a reflection of its own (weight 1 of its closure) over a white metal (weight 1): the pass holds
-    // n + s, and the metal must look as it does bare.
+    // A smooth coat without a reflection of its own (weight 1 of its closure) over a white metal (weight 1): the pass
+    // holds n + s, and the metal must look as it does bare.
     std::mt19937 random(9);
     for (int trial = 0; trial < 200; ++trial) {
         const V3 smooth = unit(random_direction(random) + V3{0, 0, 1});

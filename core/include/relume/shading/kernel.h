@@ -39,8 +39,8 @@ template <class S> constexpr bool prepares_once() {
     else return false;
 }
 
-/// Calls f with a null pointer to the type that shades: S itself, or where one parameter table stands for several models
-/// the one that S::with_variant() finds in the options. Variants share Params and Options with S.
+/// Calls f with a null pointer to the type that shades: S itself, or where one parameter table stands for several
+/// models the one that S::with_variant() finds in the options. Variants share Params and Options with S.
 template <class S, class F> RELUME_INLINE void with_variant(const typename S::Options& options, F&& f) {
     if constexpr (requires { S::has_variants; }) S::with_variant(options, f);
     else f(static_cast<S*>(nullptr));
@@ -543,8 +543,9 @@ template <class S, class T> static void shade_tile_of(ShaderTile* tile) {
 template <class S, class T> static void shade_tile(ShaderTile* tile) {
     typename S::Options options;
     if constexpr (kOptionSlots<S> != 0) std::memcpy(&options, tile->options, sizeof options);
-    with_variant<S>(options, [&](auto* variant)
-                                 RELUME_INLINE_LAMBDA { shade_tile_of<std::remove_pointer_t<decltype(variant)>, T>(tile); });
+    with_variant<S>(options, [&](auto* variant) RELUME_INLINE_LAMBDA {
+        shade_tile_of<std::remove_pointer_t<decltype(variant)>, T>(tile);
+    });
 }
 
 /// f·NdotL on arrays, by the same code.
@@ -586,8 +587,9 @@ template <class S, class T> static void evaluate_arrays_of(const ShaderEvaluatio
 template <class S, class T> static void evaluate_arrays(const ShaderEvaluation<T>* e) {
     typename S::Options options;
     if constexpr (kOptionSlots<S> != 0) std::memcpy(&options, e->options, sizeof options);
-    with_variant<S>(options, [&](auto* variant)
-                                 RELUME_INLINE_LAMBDA { evaluate_arrays_of<std::remove_pointer_t<decltype(variant)>, T>(e); });
+    with_variant<S>(options, [&](auto* variant) RELUME_INLINE_LAMBDA {
+        evaluate_arrays_of<std::remove_pointer_t<decltype(variant)>, T>(e);
+    });
 }
 
 }  // namespace relume
