@@ -80,6 +80,7 @@ def _own(path: Path) -> Scene:
             (each["camera"], each["filter"], each["light"], each["variant"]): path.parent / each["file"]
             for each in facts["images"]
         },
+        emits=any("emission" in each for each in facts["materials"].values()),
     )
 
 
@@ -107,7 +108,7 @@ def _shared(path: Path, generation: int) -> Scene:
 
 
 def own_scenes() -> list[Scene]:
-    return [_own(OWN / "blender3" / "orrery.json"), _own(OWN / "blender5" / "atelier.json")]
+    return [_own(OWN / f"blender{each}.json") for each in ("3/orrery", "5/atelier", "5/vitrine")]
 
 
 def shared_scenes() -> list[Scene]:
