@@ -32,6 +32,7 @@ struct BlenderPrincipled {
         "coat_tint. sheen: microfibers, a linearly transformed cosine [Zeltner2022], from measured coefficients. diffuse: Lambert, or with "
         "diffuse_roughness Oren–Nayar that loses nothing [Portsmouth2025]. distribution multi_ggx compensates metal and specular too "
         "[KullaConty2017].\n"
+        "From Blender, each input comes from the AOV of its name here (albedo for base_color, specular_ior_level for specular). "
         "geometric_normal is the smooth normal before the bump, as the Geometry node's Normal in a color AOV: with it the coat lies on the "
         "smooth surface, the bumped normal under a coat is recovered from the Normal pass, which holds their mean, and the diffuse and sheen "
         "lobes get the bump terminator [Estevez2019].\n"
@@ -47,7 +48,8 @@ struct BlenderPrincipled {
         "Both: anisotropic stretches alpha to alpha/aspect and alpha·aspect (in generation 3 at most 1), aspect = √(1−0.9·anisotropic). "
         "Roughness below 0.0038 (alpha² ≤ 2e-10; in generation 3 0.018, 1e-7) is a mirror, as in Cycles: no highlight of sun, point and spot "
         "lights. Left out: subsurface, "
-        "transmission and thin film; in generation 3 also Multiscatter GGX and the bump terminator.";
+        "transmission, thin film, and how Cycles bends a normal whose mirrored view would dip below the facet; in generation 3 also "
+        "Multiscatter GGX and the bump terminator.";
 
     template <class T> using Params = BlenderPrincipledParams<T>;
     using Options = BlenderPrincipledOptions;

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Renders the truth scenes: G-buffers, the renderer's own images under known lights, and a JSON with all the numbers.
 
-    nice blender -b --factory-startup -P tests/truth/make_scenes.py -- OUTPUT_FOLDER     # Blender 3.4 (apt): orrery
-    nice python tests/truth/make_scenes.py OUTPUT_FOLDER                                 # bpy 5.0.1 (PyPI): atelier, vitrine
+    nice blender -b --factory-startup -P tests/truth/make_scenes.py -- OUTPUT_FOLDER  # Blender 3.4 (apt): orrery
+    nice python tests/truth/make_scenes.py OUTPUT_FOLDER                     # bpy 5.0.1 (PyPI): atelier, vitrine
 
-Each Blender makes the scenes of its own generation. The files that a clone holds (tests/data/blender3 and blender5) came
-from exactly these commands; two threads need less than a minute each.
+Each Blender makes the scenes of its own generation. The files that a clone holds (tests/data/blender3 and blender5)
+came from exactly these commands; two threads need about a minute each.
 """
 
 from __future__ import annotations

@@ -275,7 +275,10 @@ struct BlenderPrincipled5 {
         const T sigma = saturate(p.diffuse_roughness);
         out.any_rough = any(sigma > zero);
         out.rough = rough_diffuse(sigma, n_dot_v);
-        if (out.any_rough) out.diffuse_scattered = mul(out.diffuse, out.rough.scattered(in.base));
+        if (out.any_rough) {
+            out.rough.missing_v = out.rough.missing(n_dot_v);
+            out.diffuse_scattered = mul(out.diffuse, out.rough.scattered(in.base));
+        }
 
         out.terminator = out.sheen_terminator = zero;
         if (out.any_apart) {

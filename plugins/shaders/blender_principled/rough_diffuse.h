@@ -14,7 +14,7 @@ template <class T> struct RoughDiffuse {
     static constexpr double kMean = (2 * kPi - 5.6) / 3;  // 2·∫q·µ dµ
     T n_dot_v;
     T even, sheared;  // A, B
-    T missing_v;      // (1 − E(v))/(A·sigma)
+    T missing_v;      // (1 − E(v))/(A·sigma), for what is scattered
 
     /// s of the fit.
     RELUME_INLINE T shear(T v_dot_l, T n_dot_l) const {
@@ -47,7 +47,6 @@ template <class T> RELUME_INLINE RoughDiffuse<T> rough_diffuse(T sigma, T n_dot_
     const T even = rcp(fma(sigma, constant<T>(RoughDiffuse<T>::kMost), constant<T>(kPi)));
     out.even = select(sigma > T(0.f), even, constant<T>(kInvPi));
     out.sheared = sigma * out.even;
-    out.missing_v = out.missing(n_dot_v);
     return out;
 }
 
