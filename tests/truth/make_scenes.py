@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Renders the truth scenes: G-buffers, the renderer's own images under known lights, and a JSON with all the numbers.
 
-    nice blender -b --factory-startup -P tests/truth/make_scenes.py -- OUTPUT_FOLDER     # Blender 3.4 (apt): orrery
-    nice python tests/truth/make_scenes.py OUTPUT_FOLDER                                 # bpy 5.0.1 (PyPI): atelier
+    nice blender -b --factory-startup -P tests/truth/make_scenes.py -- OUTPUT_FOLDER  # Blender 3.4 (apt): orrery
+    nice python tests/truth/make_scenes.py OUTPUT_FOLDER                     # bpy 5.0.1 (PyPI): atelier, vitrine
 
-Each Blender makes the scene of its own generation. The files that a clone holds (tests/data/blender3 and blender5) came
-from exactly these commands; two threads need less than a minute each.
+Each Blender makes the scenes of its own generation. The files that a clone holds (tests/data/blender3 and blender5)
+came from exactly these commands; two threads need about a minute each.
 """
 
 from __future__ import annotations
@@ -52,14 +52,15 @@ def _setup(render: dict[str, Any], camera: dict[str, Any]) -> None:
         cycles.use_light_tree = False
 
 
-def _passes(levels: int) -> None:
+def _passes(levels: int, layers: bool) -> None:
     layer = bpy.context.view_layer
     layer.use_pass_z = layer.use_pass_normal = layer.use_pass_position = True
     layer.use_pass_diffuse_color = True
     layer.use_pass_object_index = layer.use_pass_material_index = True
     layer.use_pass_cryptomatte_object = layer.use_pass_cryptomatte_material = True
     layer.pass_cryptomatte_depth = levels
-    for name in scene_builder.AOVS:
+    layer.use_pass_emit = layers
+    for name in (*scene_builder.AOVS, *(scene_builder.LAYER_AOVS if layers else ())):
         aov = layer.aovs.add()
         aov.name = name
         aov.type = "COLOR" if scene_builder.is_color(name) else "VALUE"
@@ -71,14 +72,14 @@ def _enable(lights: list[str]) -> None:
             thing.hide_render = thing.name not in lights
 
 
-def _write(path: Path, multilayer: bool) -> None:
+def _write(path: Path, multilayer: bool, depth: str) -> None:
     scene = bpy.context.scene
     settings = scene.render.image_settings
     if scene_builder.BLENDER5:
         settings.media_type = "MULTI_LAYER_IMAGE" if multilayer else "IMAGE"
     settings.file_format = "OPEN_EXR_MULTILAYER" if multilayer else "OPEN_EXR"
     settings.color_mode = "RGBA" if multilayer else "RGB"
-    settings.color_depth = "16"
+    settings.color_depth = depth
     settings.exr_codec = "ZIP"
     if scene_builder.BLENDER5:
         # One part per pass is Blender 5's default, but it fails with a pixel aspect (the parts disagree on it).
@@ -142,6 +143,7 @@ def _plan(scene: dict[str, Any]) -> tuple[list[dict[str, Any]], list[dict[str, A
     One light at a time: with several, Cycles picks one per sample at random, and the sum of the single images is
     cleaner than any affordable image of all.
     """
+    filters = scene.get("filters", tuple(FILTERS))
     gbuffers = [
         {"camera": "main", "filter": "point", "samples": 4, "film_transparent": False, "cryptomatte_levels": 2},
         {"camera": "main", "filter": "aa", "samples": 64, "film_transparent": True, "cryptomatte_levels": 4},
@@ -151,15 +153,19 @@ def _plan(scene: dict[str, Any]) -> tuple[list[dict[str, Any]], list[dict[str, A
     views += [("shift", "point", 4, light) for light in scene["lights"]]
     images = [
         {"camera": camera, "filter": kind, "samples": samples, "light": light, "variant": variant}
-        for variant in ("principled", "lambertggx")
+        for variant in scene.get("variants", ("principled", "lambertggx"))
         for camera, kind, samples, light in views
     ]
-    return gbuffers, images
+
+    def wanted(each: dict[str, Any]) -> bool:
+        return each["camera"] in scene["cameras"] and each["filter"] in filters
+
+    return list(filter(wanted, gbuffers)), list(filter(wanted, images))
 
 
-def main(folder: Path) -> None:
-    (name, scene), *_ = [item for item in SCENES.items() if item[1]["generation"] == scene_builder.GENERATION]
-    folder.mkdir(parents=True, exist_ok=True)
+def make(name: str, scene: dict[str, Any], folder: Path) -> None:
+    """One scene with all its files."""
+    depth, layers = scene.get("depth", "16"), scene.get("layers", False)
     scene_builder.build(scene)
     facts = _describe(name, scene)
     gbuffers, images = _plan(scene)
@@ -169,19 +175,26 @@ def main(folder: Path) -> None:
         bpy.context.scene.camera = bpy.data.objects[f"camera_{image['camera']}"]
         _enable([image["light"]])
         image["file"] = f"{name}_{image['camera']}_{image['filter']}_{image['light']}_{image['variant']}.exr"
-        _write(folder / image["file"], False)
+        _write(folder / image["file"], False, depth)
         facts["images"].append(image)
     scene_builder.build_materials(scene, "principled")
     _enable(list(scene["lights"]))
-    _passes(2)
+    _passes(2, layers)
     for gbuffer in gbuffers:
         _setup(gbuffer, scene["cameras"][gbuffer["camera"]])
         bpy.context.view_layer.pass_cryptomatte_depth = gbuffer["cryptomatte_levels"]
         bpy.context.scene.camera = bpy.data.objects[f"camera_{gbuffer['camera']}"]
         gbuffer["file"] = f"{name}_{gbuffer['camera']}_{gbuffer['filter']}_gbuffer.exr"
-        _write(folder / gbuffer["file"], True)
+        _write(folder / gbuffer["file"], True, depth)
         facts["gbuffers"].append(gbuffer)
     (folder / f"{name}.json").write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")
+
+
+def main(folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, scene in SCENES.items():
+        if scene["generation"] == scene_builder.GENERATION:
+            make(name, scene, folder)
 
 
 if __name__ == "__main__":

@@ -34,11 +34,14 @@ _INPUTS = {
     },
 }[GENERATION]
 AOVS = (*_INPUTS, "geometric_normal")
+# What scenes with "layers" have besides.
+_LAYERS = {"anisotropic": ("Anisotropic", 0.0), "anisotropic_rotation": ("Anisotropic Rotation", 0.0)}
+LAYER_AOVS = (*_LAYERS, "tangent")
 SPECULAR = "specular_ior_level" if BLENDER5 else "specular"
 
 
 def is_color(name: str) -> bool:
-    return name in ("albedo", "geometric_normal") or name.endswith("_tint")
+    return name in ("albedo", "geometric_normal", "tangent") or name.endswith("_tint")
 
 
 def _waves(name: str, size: tuple[float, float]) -> Any:
@@ -168,7 +171,24 @@ def _add_aov(tree: Any, name: str, value: Any) -> None:
     tree.links.new(value, aov.inputs["Color" if is_color(name) else "Value"])
 
 
-def build_material(name: str, spec: dict[str, Any], index: int, variant: str) -> None:
+def _add_layers(tree: Any, node: Any, spec: dict[str, Any]) -> None:
+    """Emission, and anisotropy with its tangent."""
+    for name, (socket, default) in _LAYERS.items():
+        value = _constant(tree, spec.get(name, default), False)
+        _add_aov(tree, name, value)
+        tree.links.new(value, node.inputs[socket])
+    if spec.get("tangent") == "radial":
+        tangent = tree.nodes.new("ShaderNodeTangent")
+        tangent.direction_type, tangent.axis = "RADIAL", "Z"
+        tree.links.new(tangent.outputs[0], node.inputs["Tangent"])
+        _add_aov(tree, "tangent", tangent.outputs[0])
+    else:
+        _add_aov(tree, "tangent", _constant(tree, (0, 0, 0), True))
+    node.inputs["Emission Color"].default_value = (*spec.get("emission", (0, 0, 0)), 1)
+    node.inputs["Emission Strength"].default_value = 1.0 if "emission" in spec else 0.0
+
+
+def build_material(name: str, spec: dict[str, Any], index: int, variant: str, layers: bool = False) -> None:
     """(Re)build one material; variant is "principled" or "lambertggx"."""
     material = bpy.data.materials.get(name) or bpy.data.materials.new(name)
     material.use_nodes = True
@@ -194,6 +214,8 @@ def build_material(name: str, spec: dict[str, Any], index: int, variant: str) ->
     else:
         node = tree.nodes.new("ShaderNodeBsdfPrincipled")
         node.distribution = "GGX"
+        if layers:
+            _add_layers(tree, node, spec)
         for key, socket in _INPUTS.items():
             tree.links.new(values[key], node.inputs[socket])
         surface, bumped = node.outputs[0], [node]
@@ -207,7 +229,7 @@ def build_material(name: str, spec: dict[str, Any], index: int, variant: str) ->
 
 def build_materials(scene: dict[str, Any], variant: str) -> None:
     for index, (name, spec) in enumerate(scene["materials"].items(), start=1):
-        build_material(name, spec, index, variant)
+        build_material(name, spec, index, variant, scene.get("layers", False))
 
 
 def _look(at: Vector, to: Vector, roll: float) -> Matrix:

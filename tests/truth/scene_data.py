@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The two truth scenes as plain data: no Blender in here, so that every Python can read what was built.
+"""The truth scenes as plain data: no Blender in here, so that every Python can read what was built.
 
 Lengths in metres, powers in watts, angles in degrees, colours scene-linear Rec.709, +Z up. A material value is a number
 or a colour, or ("noise", scale, low, high) for a procedural texture in object coordinates.
@@ -176,6 +176,89 @@ _ATELIER_MATERIALS: dict[str, dict[str, Any]] = {
     },
 }
 
+# Layers of Blender 5's Principled on and under each other, stored as 32 bit: what is left is relume's own error.
+_VITRINE_MATERIALS: dict[str, dict[str, Any]] = {
+    "coat_on_bump": {
+        "albedo": (0.6, 0.3, 0.1),
+        "coat_weight": 1.0,
+        "coat_roughness": 0.3,
+        "bump": {"scale": 3.0, "strength": 0.6, "distance": 0.05},
+    },
+    "coat_on_bumped_mix": {
+        "albedo": (0.1, 0.3, 0.5),
+        "roughness": 0.3,
+        "metallic": 0.4,
+        "coat_weight": 0.6,
+        "coat_roughness": 0.25,
+        "coat_tint": (0.9, 0.6, 0.4),
+        "coat_ior": 1.7,
+        "bump": {"scale": 3.0, "strength": 0.5, "distance": 0.05},
+    },
+    "sheen_on_bump": {
+        "albedo": (0.2, 0.1, 0.1),
+        "roughness": 0.7,
+        "sheen_weight": 0.8,
+        "sheen_roughness": 0.3,
+        "sheen_tint": (1.0, 0.8, 0.6),
+        "bump": {"scale": 3.0, "strength": 0.5, "distance": 0.05},
+    },
+    "all_on_bump": {
+        "albedo": (0.4, 0.5, 0.2),
+        "roughness": 0.45,
+        "metallic": 0.3,
+        "sheen_weight": 0.5,
+        "sheen_roughness": 0.6,
+        "coat_weight": 0.7,
+        "coat_roughness": 0.35,
+        "diffuse_roughness": 0.5,
+        "specular_tint": (0.9, 0.8, 0.5),
+        "specular_ior_level": 0.7,
+        "bump": {"scale": 3.0, "strength": 0.4, "distance": 0.05},
+    },
+    "lamp_under_lacquer": {
+        "albedo": (0.3, 0.3, 0.3),
+        "roughness": 0.4,
+        "coat_weight": 1.0,
+        "coat_roughness": 0.3,
+        "coat_tint": (0.8, 0.5, 0.3),
+        "sheen_weight": 0.6,
+        "emission": (0.5, 0.3, 0.2),
+    },
+    "polished": {"albedo": (0.9, 0.8, 0.7), "roughness": 0.02, "metallic": 1.0},
+    "polished_coat": {"albedo": (0.2, 0.5, 0.7), "roughness": 0.6, "coat_weight": 1.0},
+    "brighter_than_white": {"albedo": (1.4, 1.1, 0.7), "roughness": 0.4, "metallic": 0.6, "diffuse_roughness": 0.8},
+    "dark_at_82": {"albedo": (0.5, 0.4, 0.3), "roughness": 0.35, "metallic": 1.0, "specular_tint": (0.0, 0.1, 0.2)},
+    "tinted_diamond": {
+        "albedo": (0.2, 0.3, 0.3),
+        "roughness": 0.3,
+        "ior": 2.2,
+        "specular_ior_level": 1.0,
+        "specular_tint": (0.3, 1.0, 0.6),
+    },
+    "low_ior": {"albedo": (0.2, 0.3, 0.3), "roughness": 0.35, "ior": 1.2, "specular_ior_level": 0.6},
+    "brushed_under_coat": {
+        "albedo": (0.3, 0.6, 0.3),
+        "roughness": 0.4,
+        "metallic": 0.5,
+        "anisotropic": 1.0,
+        "anisotropic_rotation": 0.3,
+        "tangent": "radial",
+        "coat_weight": 0.4,
+        "coat_roughness": 0.2,
+    },
+}
+
+_VITRINE_OBJECTS: list[Object] = [
+    {
+        "name": f"Ball_{name}",
+        "shape": "sphere",
+        "radius": 0.9,
+        "at": ((index % 4 - 1.5) * 2.1, -1.5 + index // 4 * 2.2, 0.9),
+        "material": name,
+    }
+    for index, name in enumerate(_VITRINE_MATERIALS)
+]
+
 # Blender's own defaults for what a material leaves out; the keys are the names of the AOVs.
 DEFAULTS: dict[int, dict[str, Any]] = {
     3: {"metallic": 0.0, "roughness": 0.5, "specular": 0.5},
@@ -257,5 +340,28 @@ SCENES: dict[str, dict[str, Any]] = {
                 "pixel_aspect": 0.8,
             },
         },
+    },
+    "vitrine": {
+        "generation": 5,
+        "objects": _VITRINE_OBJECTS,
+        "materials": _VITRINE_MATERIALS,
+        "lights": {
+            "sun": {"type": "SUN", "energy": 3.0, "color": (1.0, 1.0, 1.0), "to": (-0.32, 0.61, -0.72)},
+            "point": {"type": "POINT", "energy": 900.0, "color": (1.0, 0.8, 0.6), "at": (-3.0, -5.0, 5.0)},
+            "spot": {
+                "type": "SPOT",
+                "energy": 2200.0,
+                "color": (0.7, 0.85, 1.0),
+                "at": (3.5, -6.0, 5.5),
+                "to": (-0.4, 0.65, -0.62),
+                "cone": 70.0,
+                "blend": 0.4,
+            },
+        },
+        "cameras": {"main": {"at": (0, -9, 4), "look": (0, 0, 0.4), "roll": 0.0, "lens": 40.0, "size": (320, 180)}},
+        "filters": ("point",),
+        "variants": ("principled",),
+        "depth": "32",
+        "layers": True,
     },
 }

@@ -37,6 +37,7 @@ class Scene:
     eyes: dict[str, list[float]]
     gbuffers: dict[tuple[str, str], Path]
     images: dict[tuple[str, str, str, str], Path] = field(repr=False)
+    emits: bool = False  # some material does, and its images hold it
 
     @property
     def lambert_ids(self) -> tuple[int, ...]:
@@ -79,6 +80,7 @@ def _own(path: Path) -> Scene:
             (each["camera"], each["filter"], each["light"], each["variant"]): path.parent / each["file"]
             for each in facts["images"]
         },
+        emits=any("emission" in each for each in facts["materials"].values()),
     )
 
 
@@ -89,7 +91,7 @@ def _shared(path: Path, generation: int) -> Scene:
     images = {}
     for light in lights:
         for kind, tail in (("point", ""), ("aa", "_aa")):
-            for variant, end in (("principled", ""), ("lambertggx", "_lambertggx")):
+            for variant, end in (("principled", ""), ("lambertggx", "_lambertggx"), ("multiggx", "_multiggx")):
                 file = path.parent / f"{name}_gt_{light}_noshadow{tail}{end}.exr"
                 if file.exists():
                     images["main", kind, light, variant] = file
@@ -101,11 +103,12 @@ def _shared(path: Path, generation: int) -> Scene:
         eyes={"main": _eye(facts["camera"])},
         gbuffers={("main", kind): path.parent / f"{name}_gbuf_{kind}.exr" for kind in ("point", "aa")},
         images=images,
+        emits=any("emission" in each for each in facts["materials"]),
     )
 
 
 def own_scenes() -> list[Scene]:
-    return [_own(OWN / "blender3" / "orrery.json"), _own(OWN / "blender5" / "atelier.json")]
+    return [_own(OWN / f"blender{each}.json") for each in ("3/orrery", "5/atelier", "5/vitrine")]
 
 
 def shared_scenes() -> list[Scene]:

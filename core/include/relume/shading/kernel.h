@@ -12,6 +12,7 @@
 
 #include "relume/shader_abi.h"
 #include "relume/shading/shading.h"
+#include "relume/shading/slots.h"
 
 namespace relume {
 
@@ -32,6 +33,20 @@ template <class S> constexpr bool scales_by_arriving() {
     else return false;
 }
 
+/// A model whose prepare() is dear (it looks things up) says `prepares_once = true`: its ambient and emission are kept
+/// over the lights instead of being prepared anew.
+template <class S> constexpr bool prepares_once() {
+    if constexpr (requires { S::prepares_once; }) return S::prepares_once;
+    else return false;
+}
+
+/// Calls f with a null pointer to the type that shades: S itself, or where one parameter table stands for several
+/// models the one that S::with_variant() finds in the options. Variants share Params and Options with S.
+template <class S, class F> RELUME_INLINE void with_variant(const typename S::Options& options, F&& f) {
+    if constexpr (requires { S::has_variants; }) S::with_variant(options, f);
+    else f(static_cast<S*>(nullptr));
+}
+
 /// Whether a model can have light in that lobe at all.
 template <class S> constexpr bool has_lobe(Lobe lobe) {
     if constexpr (HasTerms<S>) {
@@ -42,13 +57,6 @@ template <class S> constexpr bool has_lobe(Lobe lobe) {
         return true;
     }
 }
-
-template <class S>
-inline constexpr int kFloatSlots = static_cast<int>(sizeof(typename S::template Params<float>) / sizeof(float));
-template <class S>
-inline constexpr int kOptionSlots = std::is_empty_v<typename S::Options>
-                                        ? 0
-                                        : static_cast<int>(sizeof(typename S::Options) / sizeof(std::int32_t));
 
 /// A model that looks things up has a struct Tables of TableViews, which its prepare() takes after the options.
 struct NoTables {};
@@ -92,13 +100,6 @@ template <class S> constexpr bool table_matches_params() {
 #define RELUME_OPTION(member) static_cast<int>(offsetof(Options, member) / sizeof(std::int32_t))
 #define RELUME_TABLE(member) static_cast<int>(offsetof(Tables, member) / sizeof(TableView))
 
-/// f(std::integral_constant<int, 0>) … f(<N − 1>), unrolled before the optimiser splits arrays into registers, which a
-/// loop is not.
-template <int N, class F> RELUME_INLINE void static_for(F&& f) {
-    [&]<int... K>(std::integer_sequence<int, K...>) RELUME_INLINE_LAMBDA { (f(std::integral_constant<int, K>{}), ...); }
-    (std::make_integer_sequence<int, N>{});
-}
-
 /// The direction and the share of DirectLight::color that arrives, for one kind of light.
 template <class T> RELUME_INLINE T spot_factor(const DirectLight& light, T cosine) {
     const T zero(0.f), one(1.f);
@@ -136,30 +137,6 @@ template <class T> RELUME_INLINE Vec3<T> light_direction(const DirectLight& ligh
     return l;
 }
 
-/// Where a tile's parameters come from, without a branch: slot k of pixel i is at base[k] + (i & mask[k]), a constant's
-/// mask is 0 and its base a batch of copies.
-template <class S, class T> struct SlotSources {
-    static constexpr int kSlots = kFloatSlots<S>;
-    const float* base[kSlots];
-    std::ptrdiff_t mask[kSlots];
-    alignas(64) float copies[kSlots][kWidth<T>];
-
-    RELUME_INLINE explicit SlotSources(const ShaderTile& tile) {
-        for (int k = 0; k < kSlots; ++k) {
-            for (float& copy : copies[k]) copy = tile.constants[k];
-            base[k] = tile.slots[k] != nullptr ? tile.slots[k] : copies[k];
-            mask[k] = tile.slots[k] != nullptr ? -1 : 0;
-        }
-    }
-};
-
-template <class S, class T>
-RELUME_INLINE void load_params(typename S::template Params<T>& params, const SlotSources<S, T>& from, int i) {
-    T* slots = reinterpret_cast<T*>(&params);
-    static_for<kFloatSlots<S>>([&](auto k)
-                                   RELUME_INLINE_LAMBDA { slots[k] = load<T>(from.base[k] + (i & from.mask[k])); });
-}
-
 /// The model's uniform values, copied out of the tile or the evaluation.
 template <class S, class From>
 RELUME_INLINE void load_uniforms(const From& from, typename S::Options& options, Tables<S>& tables) {
@@ -172,32 +149,6 @@ RELUME_INLINE auto prepare(const typename S::template Params<T>& params, const t
                            [[maybe_unused]] const Tables<S>& tables, const Geometry<T>& g) {
     if constexpr (kTableSlots<S> != 0) return S::prepare(params, options, tables, g);
     else return S::prepare(params, options, g);
-}
-
-/// The sum of a pixel's parameters, on two chains: one would be as long as the shading.
-template <class S, class T> RELUME_INLINE T sum_of(const typename S::template Params<T>& params) {
-    const T* slots = reinterpret_cast<const T*>(&params);
-    T sum[2] = {T(0.f), T(0.f)};
-    static_for<kFloatSlots<S>>([&](auto k) RELUME_INLINE_LAMBDA { sum[k % 2] = sum[k % 2] + slots[k]; });
-    return sum[0] + sum[1];
-}
-
-/// Fetches the line that the batch kPrefetchDistance pixels on will read: a CPU's own prefetching follows a dozen
-/// planes too late. It may point past the plane, where nothing is fetched.
-template <class T> RELUME_INLINE void prefetch_ahead(const float* p) {
-    constexpr int kPrefetchDistance = 256, kLine = 16;
-    if constexpr (kWidth<T> == 1) return;  // sixteen times a line, for nothing
-    for (int k = 0; k < kWidth<T> || k == 0; k += kLine) __builtin_prefetch(p + kPrefetchDistance + k);
-}
-
-template <class S, class T>
-RELUME_INLINE void prefetch_inputs(const ShaderTile& tile, const SlotSources<S, T>& from, int i) {
-    for (int k = 0; k < 3; ++k) {
-        prefetch_ahead<T>(tile.normal[k] + i);
-        if (tile.position[0] != nullptr) prefetch_ahead<T>(tile.position[k] + i);
-    }
-    static_for<kFloatSlots<S>>([&](auto k)
-                                   RELUME_INLINE_LAMBDA { prefetch_ahead<T>(from.base[k] + (i & from.mask[k])); });
 }
 
 template <class T> RELUME_INLINE Vec3<T> load3(const float* const (&planes)[3], int i) {
@@ -290,8 +241,11 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& s
         }
     }
 
+    if constexpr (requires { S::reads_slot(0); })  // NaN in what the model leaves out counts all the same
+        for (int k = 0; k < sources.unread_count; ++k) poison = poison + load<T>(sources.base[sources.unread[k]] + i);
     typename S::template Params<T> params;
     load_params<S, T>(params, sources, i);
+    if constexpr (prepares_once<S>()) poison = poison + sum_of<S, T>(params);
     const auto prepared = prepare<S, T>(params, options, tables, g);
 
     constexpr bool kSum = HasTerms<S> && term_count<S>() <= kMaxSummedTerms;
@@ -326,10 +280,16 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& s
 
     // What the lights do not need is prepared only now, from the parameters read again (the cache has them): kept over
     // the loop it would be stored and loaded. What of the two prepare() is not used, the optimiser drops.
-    typename S::template Params<T> params_after;
-    load_params<S, T>(params_after, sources, opaque(i));
-    poison = poison + sum_of<S, T>(params_after);
-    const auto after = prepare<S, T>(params_after, options, tables, g);
+    const auto after = [&]() RELUME_INLINE_LAMBDA {
+        if constexpr (prepares_once<S>()) {
+            return prepared;
+        } else {
+            typename S::template Params<T> params_after;
+            load_params<S, T>(params_after, sources, opaque(i));
+            poison = poison + sum_of<S, T>(params_after);
+            return prepare<S, T>(params_after, options, tables, g);
+        }
+    }();
 
     Color<T> lobes[3] = {splat(zero), splat(zero), splat(zero)};
     if constexpr (kSum) {
@@ -482,22 +442,37 @@ template <class S, class T> __attribute__((flatten)) static void shade_tile_with
     tile->nonfinite = nonfinite;
 }
 
+/// A model that is too large for pairs of batches says `single_batches = true`.
+template <class S> constexpr bool single_batches() {
+    if constexpr (requires { S::single_batches; }) return S::single_batches;
+    else return false;
+}
+
 /// The number type for a tile: one batch or a pair of them, by the light count alone, so that all tiles of a frame
 /// agree.
-template <class S, class T> static void shade_tile(ShaderTile* tile) {
+template <class S, class T> static void shade_tile_of(ShaderTile* tile) {
 #if defined(RELUME_ISA_BATCH) && !defined(RELUME_SINGLE_BATCHES)
+    if constexpr (!single_batches<S>()) {
 #  if defined(__AVX512F__)
-    // 32 registers hold one batch's pixel; a pair's spill, which pays from four lights on.
-    if (tile->light_count < 4) return shade_tile_with<S, T>(tile);
+        // 32 registers hold one batch's pixel; a pair's spill, which pays from four lights on.
+        if (tile->light_count < 4) return shade_tile_with<S, T>(tile);
 #  endif
-    shade_tile_with<S, Pair<T>>(tile);
-#else
-    shade_tile_with<S, T>(tile);
+        return shade_tile_with<S, Pair<T>>(tile);
+    }
 #endif
+    shade_tile_with<S, T>(tile);
+}
+
+template <class S, class T> static void shade_tile(ShaderTile* tile) {
+    typename S::Options options;
+    if constexpr (kOptionSlots<S> != 0) std::memcpy(&options, tile->options, sizeof options);
+    with_variant<S>(options, [&](auto* variant) RELUME_INLINE_LAMBDA {
+        shade_tile_of<std::remove_pointer_t<decltype(variant)>, T>(tile);
+    });
 }
 
 /// f·NdotL on arrays, by the same code.
-template <class S, class T> static void evaluate_arrays(const ShaderEvaluation<T>* e) {
+template <class S, class T> static void evaluate_arrays_of(const ShaderEvaluation<T>* e) {
     typename S::Options options;
     Tables<S> tables;
     load_uniforms<S>(*e, options, tables);
@@ -530,6 +505,14 @@ template <class S, class T> static void evaluate_arrays(const ShaderEvaluation<T
             outputs[k][2][i] = lit ? lobes[k]->z : T(0);
         }
     }
+}
+
+template <class S, class T> static void evaluate_arrays(const ShaderEvaluation<T>* e) {
+    typename S::Options options;
+    if constexpr (kOptionSlots<S> != 0) std::memcpy(&options, e->options, sizeof options);
+    with_variant<S>(options, [&](auto* variant) RELUME_INLINE_LAMBDA {
+        evaluate_arrays_of<std::remove_pointer_t<decltype(variant)>, T>(e);
+    });
 }
 
 }  // namespace relume
