@@ -51,7 +51,7 @@ std::vector<float> resample(const FileFrame& frame, const Placement& placement, 
     const int left = data.x - frame.display_window.x, bottom = frame.display_window.y_end() - data.y_end();
     const auto row_of = [&](int y) {
         return frame.rgba.get() + std::size_t{4} * static_cast<std::size_t>(data.width) *
-                                       static_cast<std::size_t>(bottom + data.height - 1 - y);
+                                      static_cast<std::size_t>(bottom + data.height - 1 - y);
     };
     if (placement.is_identity()) {
         const int dx = static_cast<int>(placement.offset_x), dy = static_cast<int>(placement.offset_y);

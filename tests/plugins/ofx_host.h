@@ -95,7 +95,6 @@ struct Clip {
     bool top_down = false;  ///< negative row bytes
     int margin = 0;         ///< pixels that the image has beyond what it must
     std::atomic<int> fetched{0};
-    OfxRectD last_region{};
 
     OfxRectD region(double time) const;
 };

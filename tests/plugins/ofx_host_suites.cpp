@@ -50,7 +50,7 @@ float filtered(const Picture& picture, int x, int y, int component, double scale
     return static_cast<float>(sum / ((high_x - low_x) * (high_y - low_y)));
 }
 
-OfxStatus clip_image(OfxImageClipHandle handle, OfxTime time, const OfxRectD* region, OfxPropertySetHandle* result) {
+OfxStatus clip_image(OfxImageClipHandle handle, OfxTime time, const OfxRectD*, OfxPropertySetHandle* result) {
     Clip& clip = *of(handle);
     ++clip.fetched;
     if (clip.name == name::kClipOutput) {
@@ -81,7 +81,6 @@ OfxStatus clip_image(OfxImageClipHandle handle, OfxTime time, const OfxRectD* re
                     static_cast<int>(std::floor(picture.bounds.y1 * scale)),
                     static_cast<int>(std::ceil(picture.bounds.x2 * scale)),
                     static_cast<int>(std::ceil(picture.bounds.y2 * scale))};
-    if (region) clip.last_region = *region;
     image->bounds = {bounds.x1 - clip.margin, bounds.y1 - clip.margin, bounds.x2 + clip.margin,
                      bounds.y2 + clip.margin};
     image->allocate(clip.padding, clip.top_down);
@@ -231,17 +230,19 @@ OfxStatus show_dialog(void* handle, const char*, const char*, const char* format
     return kOk;
 }
 
+std::mutex message_mutex;
+
 OfxStatus set_message(void* handle, const char*, const char*, const char* format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    static std::mutex mutex;
-    const std::scoped_lock lock(mutex);
+    const std::scoped_lock lock(message_mutex);
     of(static_cast<OfxImageEffectHandle>(handle))->message = formatted(format, arguments);
     va_end(arguments);
     return kOk;
 }
 
 OfxStatus clear_message(void* handle) {
+    const std::scoped_lock lock(message_mutex);
     std::string& message = of(static_cast<OfxImageEffectHandle>(handle))->message;
     if (!message.empty()) message.clear();
     return kOk;

@@ -134,8 +134,8 @@ public:
     static GBuffer from_memory(const MemoryFrame& frame, const std::map<std::string, MemoryChannel>& channels,
                                const GBufferOptions& options = {});
 
-    /// Files are decoded once: what has been read is kept, up to so many bytes (4 a number), and the next relight takes it
-    /// from memory; pixels are the same. For who relights a frame again and again. Not while it is being read.
+    /// Files are decoded once: what has been read is kept, up to so many bytes (4 a number), and the next relight takes
+    /// it from memory; pixels are the same. For who relights a frame again and again. Not while it is being read.
     void keep_pixels(std::int64_t bytes);
 
     GBuffer(GBuffer&&) noexcept;
