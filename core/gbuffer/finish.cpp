@@ -282,8 +282,8 @@ void finish(GBuffer::Impl& impl, const GBufferOptions& options, int threads) {
         const DirectionStatistics statistics = direction_statistics(sample.rows, static_cast<std::size_t>(planes));
         detect_encoding(*semantic, statistics);
         // Arrays in memory are used where they stand when they need no change; files are normalised anyway.
-        semantic->unit = impl.in_memory() && !impl.resampled && semantic->encoding == Encoding::as_is &&
-                         statistics.near_unit == 1.0;
+        semantic->unit =
+            impl.in_memory() && !impl.resampled && semantic->encoding == Encoding::as_is && statistics.near_unit == 1.0;
     }
     choose_coverage(impl, sample, normal_planes, coverage_plane, alpha_plane);
     judge_glossy(impl, sample, glossy_planes);

@@ -14,8 +14,8 @@ const Light* Rig::light(std::string_view name) const {
 Light* Rig::light(std::string_view name) { return const_cast<Light*>(std::as_const(*this).light(name)); }
 
 bool Rig::operator==(const Rig& other) const {
-    return version == other.version && gbuffer_file == other.gbuffer_file && frame == other.frame && gbuffer == other.gbuffer &&
-           lights == other.lights && shaders == other.shaders && output == other.output;
+    return version == other.version && gbuffer_file == other.gbuffer_file && frame == other.frame &&
+           gbuffer == other.gbuffer && lights == other.lights && shaders == other.shaders && output == other.output;
 }
 
 }  // namespace relume

@@ -194,7 +194,7 @@ std::string gbuffer_file(const Instance& instance, const NodeRig& node) {
 
 std::size_t frame_budget() {
     constexpr std::size_t kMegabyte = std::size_t{1} << 20;
-    const char* given = std::getenv("RELUME_OFX_CACHE_MB");
+    const char* given = std::getenv("RELUME_CACHE_MB");
     const unsigned long megabytes = given ? std::strtoul(given, nullptr, 10) : 1024;
     return megabytes * kMegabyte;
 }

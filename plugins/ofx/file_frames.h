@@ -58,7 +58,7 @@ void purge_frames();
 void end_frames();
 
 /// Bytes of relit frames that are kept, and as many again of the decoded pixels of one file: 1 GiB, or
-/// RELUME_OFX_CACHE_MB.
+/// RELUME_CACHE_MB.
 std::size_t frame_budget();
 
 }  // namespace relume::ofx

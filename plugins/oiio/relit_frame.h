@@ -52,9 +52,9 @@ public:
     const io::Part& header() const { return header_; }
     std::string_view working_space() const { return gbuffer_.working_space(); }
 
-    /// Pixels of [x, x_end) × [y, y_end) (of the data window, in its coordinates) of one picture, components interleaved,
-    /// into rows `stride` bytes apart. `ahead`: rows below them that will be asked for next, rendered along with them
-    /// where these are not there. Errors: those of relight().
+    /// Pixels of [x, x_end) × [y, y_end) (of the data window, in its coordinates) of one picture, components
+    /// interleaved, into rows `stride` bytes apart. `ahead`: rows below them that will be asked for next, rendered
+    /// along with them where these are not there. Errors: those of relight().
     void read(int picture, int x, int x_end, int y, int y_end, std::byte* out, std::ptrdiff_t stride, int ahead = 0);
 
     const std::string& key() const { return key_; }

@@ -14,7 +14,7 @@ def demo(arguments: list[str]) -> int:
 
 
 def bench(arguments: list[str]) -> int:
-    """Measure speed against the bars: the core, and from file to file: bench [core|files|sequences|doors] [--repeats N]"""
+    """Measure speed and memory against the bars: bench [core|files|sequences|doors] [--repeats N]"""
     build.build("release")
     return replace_process([PYTHON, str(ROOT / "tests" / "bench" / "bench.py"), *arguments], build.python_environment())
 
