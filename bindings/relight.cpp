@@ -64,6 +64,7 @@ void bind_relight(py::module_& module) {
         .def_readonly("nonfinite", &RelightReport::nonfinite,
                       "Pixels with NaN or infinity, by channel; they are left black.")
         .def_readonly("warnings", &RelightReport::warnings)
+        .def_readonly("notes", &RelightReport::notes, "What was decided where the rig left it open.")
         .def_readonly("seconds", &RelightReport::seconds)
         .def("__repr__", [](const RelightReport& r) {
             return "<Report: " + std::to_string(r.shaded) + " of " + std::to_string(r.pixels) + " pixels shaded>";

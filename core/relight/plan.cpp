@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "relight/blender_generation.h"
 #include "relume/error.h"
 #include "relume/light.h"
 #include "shading/builtin_table.h"
@@ -192,6 +193,7 @@ int Plan::bind(const GBuffer& gbuffer, const ShaderInfo& shader, const ShaderUse
         const Value* given = use.values.find(p.name);
         const LobeWidth widen = gbuffer.normal_variance() ? p.lobe_width : LobeWidth::none;
         int plane = -1;
+        bool grey = false;  // one channel for all three components
         if (given != nullptr && std::holds_alternative<ChannelRef>(*given)) {
             const auto& ref = std::get<ChannelRef>(*given);
             plane = request({.kind = ChannelRequest::Kind::raw,
@@ -205,6 +207,10 @@ int Plan::bind(const GBuffer& gbuffer, const ShaderInfo& shader, const ShaderUse
             const ChannelInfo* channel = gbuffer.find(p.name);
             if (channel != nullptr && channel->components == components)
                 plane = request_semantic(gbuffer, std::string(p.name), components, widen);
+            else if (channel != nullptr && channel->components == 1 && p.type == ParameterType::color) {
+                plane = request_semantic(gbuffer, std::string(p.name), 1, widen);
+                grey = true;
+            }
         }
         std::array<double, 3> constant = p.value;
         if (given != nullptr && plane < 0) {
@@ -219,10 +225,11 @@ int Plan::bind(const GBuffer& gbuffer, const ShaderInfo& shader, const ShaderUse
                              .widen = widen});
         for (int k = 0; k < components; ++k) {
             const auto slot = static_cast<std::size_t>(p.slot + k);
-            binding.slot_planes[slot] = plane < 0 ? -1 : plane + k;
+            binding.slot_planes[slot] = plane < 0 ? -1 : grey ? plane : plane + k;
             binding.constants[slot] = static_cast<float>(constant[static_cast<std::size_t>(k)]);
         }
     }
+    settle_blender_principled(gbuffer, shader, use, binding.options, notes);
     if (shader.abi->needs_tangent != 0 && tangent < 0) tangent = request_semantic(gbuffer, "tangent", 3);
     bindings.push_back(std::move(binding));
     return static_cast<int>(bindings.size()) - 1;

@@ -83,6 +83,7 @@ struct Plan {
     std::array<int, 3> lobe_aovs{-1, -1, -1};
     OutputMode mode = OutputMode::replace;
     std::vector<std::string> warnings;
+    std::vector<std::string> notes;  ///< what was decided where the rig left it open
 
 private:
     int request(ChannelRequest wanted);

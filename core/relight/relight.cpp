@@ -84,6 +84,7 @@ public:
         for (const auto& [name, count] : report.nonfinite)
             if (count > 0 && count >= report.shaded && !options_.region) refuse_blank(name, count);
         report.warnings = plan.warnings;
+        report.notes = plan.notes;
         report.seconds = std::chrono::duration<double>(Clock::now() - start_).count();
     }
 

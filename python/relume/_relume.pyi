@@ -421,6 +421,11 @@ class Report:
         Pixels with NaN or infinity, by channel; they are left black.
         """
     @property
+    def notes(self) -> list[str]:
+        """
+        What was decided where the rig left it open.
+        """
+    @property
     def pixels(self) -> int:
         """
         Pixels of the data window.

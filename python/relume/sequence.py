@@ -8,7 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -65,12 +65,19 @@ class FrameReport:
     #: Pixels with NaN or infinity, by channel; they are left black.
     nonfinite: dict[str, int]
     warnings: list[str]
+    #: What was decided where the rig left it open.
+    notes: list[str] = field(default_factory=list)
 
     @staticmethod
     def of(report: Report) -> FrameReport:
         """Of the core's report."""
         return FrameReport(
-            report.pixels, report.shaded, report.background, dict(report.nonfinite), list(report.warnings)
+            report.pixels,
+            report.shaded,
+            report.background,
+            dict(report.nonfinite),
+            list(report.warnings),
+            list(report.notes),
         )
 
 

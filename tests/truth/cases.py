@@ -24,7 +24,15 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-_REFERENCE_MODELS: dict[str, reference.Model] = {"cook_torrance": "lambertggx", "blender_principled": "blender3"}
+
+def _reference_model(case: Case) -> reference.Model | None:
+    if case.model == "cook_torrance":
+        return "lambertggx"
+    if case.model != "blender_principled":
+        return None
+    if case.scene.generation == 3:
+        return "blender3"
+    return "blender5_multi_ggx" if case.variant == "multiggx" else "blender5"
 
 
 @dataclass(frozen=True)
@@ -46,6 +54,11 @@ class Case:
     def exact(self) -> bool:
         """The model is the renderer's own, so the bars hold."""
         return self.model in EXACT
+
+    @property
+    def every_material(self) -> bool:
+        """The model is the renderer's to the last material, those with bump too, and each has to meet the bar."""
+        return self.model == "blender_principled" and self.scene.generation == 5 and len(self.lights) == 1
 
 
 @dataclass(frozen=True)
@@ -94,7 +107,7 @@ def _surface(path: Path) -> Surface:
 def _reference(case: Case, surface: Surface) -> tuple[Array | None, Array]:
     """The double-precision image, None where the reference lacks the model; and the least N·L of all lights."""
     scene = case.scene
-    model = _REFERENCE_MODELS.get(case.model)
+    model = _reference_model(case)
     seen = surface.uncovered() if case.kind == "aa" else surface
     total, least = np.zeros(surface.normal.shape), np.full(surface.depth.shape, np.inf)
     for name in case.lights:
@@ -109,15 +122,22 @@ def _reference(case: Case, surface: Surface) -> tuple[Array | None, Array]:
         )
         total += image
         least = np.minimum(least, lit)
+    if scene.emits and case.variant != "lambertggx" and seen.emission is not None:
+        total += seen.emission
     if case.kind == "aa":
         total *= surface.coverage[..., None]
     return (total if model else None), least
 
 
 def _truth(case: Case) -> Array:
+    """The sum of the lights' images, emission, which each of them holds, counted once."""
     scene = case.scene
     files = [scene.images[case.camera, case.kind, light, case.variant] for light in case.lights]
-    return np.sum([read_rgb(file) for file in files], axis=0)
+    total: Array = np.sum([read_rgb(file) for file in files], axis=0)
+    emission = _surface(scene.gbuffers[case.camera, case.kind]).emission
+    if scene.emits and case.variant != "lambertggx" and emission is not None:
+        total -= (len(files) - 1) * emission
+    return total
 
 
 def measure_reference(case: Case) -> Comparison:
@@ -133,7 +153,7 @@ def run(case: Case, folder: Path) -> Result:
     """Relight and measure. Errors: RuntimeError with the command line's own words when it fails."""
     scene = case.scene
     gbuffer = scene.gbuffers[case.camera, case.kind]
-    image = relight(gbuffer, rig(scene, case.lights, case.model), folder, case.name)
+    image = relight(gbuffer, rig(scene, case.lights, case.model, case.variant), folder, case.name)
     truth, surface = _truth(case), _surface(gbuffer)
     double, least = _reference(case, surface)
     return Result(

@@ -28,8 +28,23 @@ _NAMES: dict[str, tuple[str, ...]] = {
     "roughness": ("roughness.X",),
     "metallic": ("metallic.X",),
     "specular": ("specular.X", "specular_ior_level.X"),
+    "emission": ("Emission.R", "Emission.G", "Emission.B"),
     "object_id": ("IndexOB.X", "Object Index.X"),
     "material_id": ("IndexMA.X", "Material Index.X"),
+}
+
+# Inputs of Blender 5's Principled BSDF alone, by the names of their AOVs.
+_PRINCIPLED5: dict[str, tuple[str, ...]] = {
+    name: tuple(f"{name}.{c}" for c in components)
+    for components, names in (
+        ("RGB", "specular_tint coat_tint sheen_tint tangent"),
+        (
+            "X",
+            "ior diffuse_roughness anisotropic anisotropic_rotation coat_weight coat_roughness coat_ior sheen_weight "
+            "sheen_roughness",
+        ),
+    )
+    for name in names.split()
 }
 
 
@@ -62,6 +77,8 @@ class Surface:
     metallic: Array
     specular: Array
     smooth: Array | None  # the normal before the bump, where an AOV holds it
+    emission: Array | None  # Cycles' pass: what is seen of it
+    principled5: dict[str, Array]  # what else Blender 5's Principled BSDF takes, as far as AOVs hold it
     object_id: NDArray[np.int64]
     material_id: NDArray[np.int64]
 
@@ -72,13 +89,18 @@ class Surface:
         def take(name: str) -> Array | None:
             found = [channels[candidate] for candidate in _NAMES[name] if candidate in channels]
             if not found:
-                if name == "smooth":
+                if name in ("smooth", "emission"):
                     return None
                 raise ValueError(f"{path}: none of the channels {', '.join(_NAMES[name])}")
             return np.stack(found, axis=-1) if len(found) == 3 else found[0]
 
         ids = {name: np.rint(take(name)).astype(np.int64) for name in ("object_id", "material_id")}
-        return cls(**{name: take(name) for name in _NAMES if name not in ids}, **ids)
+        more = {
+            name: np.stack([channels[each] for each in wanted], axis=-1) if len(wanted) == 3 else channels[wanted[0]]
+            for name, wanted in _PRINCIPLED5.items()
+            if wanted[0] in channels
+        }
+        return cls(**{name: take(name) for name in _NAMES if name not in ids}, principled5=more, **ids)
 
     def uncovered(self) -> Surface:
         """Averaged channels divided by coverage and the normal made unit: for antialiased G-buffers."""
@@ -94,6 +116,11 @@ class Surface:
             metallic=self.metallic / coverage,
             specular=self.specular / coverage,
             smooth=None if self.smooth is None else self.smooth / coverage[..., None],
+            emission=None if self.emission is None else self.emission / coverage[..., None],
+            principled5={
+                name: value / (coverage if value.ndim == 2 else coverage[..., None])
+                for name, value in self.principled5.items()
+            },
             object_id=self.object_id,
             material_id=self.material_id,
         )
@@ -116,6 +143,13 @@ class Surface:
             other = _shifted(self.object_id, j, i)
             one &= (other == self.object_id) | (other == 0) | (self.object_id == 0)
         return one & self._framed()
+
+    def border(self) -> NDArray[np.bool_]:
+        """Pixels whose 3×3 neighbourhood shows two objects."""
+        here = self.object_id
+        others = [_shifted(here, j, i) for j, i in _neighbours()]
+        least = np.min([np.where(each > 0, each, np.iinfo(np.int64).max) for each in [here, *others]], axis=0)
+        return np.max([here, *others], axis=0) > least
 
     def _framed(self) -> NDArray[np.bool_]:
         framed = np.zeros(self.depth.shape, dtype=bool)

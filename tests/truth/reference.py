@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from principled5 import Principled5, reflected
 
 if TYPE_CHECKING:
     from exr_files import Surface
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-Model = Literal["lambert", "lambertggx", "blender3"]
+Model = Literal["lambert", "lambertggx", "blender3", "blender5", "blender5_multi_ggx"]
 
 
 def dot(a: Array, b: Array) -> Array:
@@ -151,6 +152,37 @@ def illuminate(light: dict[str, Any], position: Array, *, generation: int) -> tu
 # --------------------------------------------------------------------- whole
 
 
+def _principled5(surface: Surface) -> Principled5:
+    """A surface's inputs, Blender's defaults where no AOV holds one."""
+    shape, given = surface.depth.shape, surface.principled5
+
+    def number(name: str, default: float) -> Array:
+        return given.get(name, np.full(shape, default))
+
+    def color(name: str, default: float) -> Array:
+        return given.get(name, np.full((*shape, 3), default))
+
+    return Principled5(
+        base=surface.albedo,
+        metallic=surface.metallic,
+        roughness=surface.roughness,
+        ior=np.maximum(number("ior", 1.5), 1.0),
+        specular=surface.specular,
+        specular_tint=color("specular_tint", 1.0),
+        diffuse_roughness=number("diffuse_roughness", 0.0),
+        anisotropic=number("anisotropic", 0.0),
+        anisotropic_rotation=number("anisotropic_rotation", 0.0),
+        tangent=color("tangent", 0.0),
+        coat_weight=number("coat_weight", 0.0),
+        coat_roughness=number("coat_roughness", 0.03),
+        coat_ior=np.maximum(number("coat_ior", 1.5), 1.0),
+        coat_tint=color("coat_tint", 1.0),
+        sheen_weight=number("sheen_weight", 0.0),
+        sheen_roughness=number("sheen_roughness", 0.5),
+        sheen_tint=color("sheen_tint", 1.0),
+    )
+
+
 def shade(
     surface: Surface,
     eye: Array,
@@ -173,6 +205,11 @@ def shade(
     plain = lambert(n, l, material)
     if model == "blender3":
         diffuse, specular = blender3(n, v, l, material)
+    elif model in ("blender5", "blender5_multi_ggx"):
+        # Everything at once; its bump terminator is its own.
+        smooth = None if surface.smooth is None else normalized(surface.smooth)
+        diffuse = reflected(_principled5(surface), n, smooth, v, l, model == "blender5_multi_ggx")
+        specular, bump_ids = np.zeros_like(diffuse), ()
     elif model == "lambertggx":
         diffuse, specular = lambert_ggx(n, v, l, material, correlated=generation >= 5)
     else:

@@ -37,6 +37,7 @@ class Scene:
     eyes: dict[str, list[float]]
     gbuffers: dict[tuple[str, str], Path]
     images: dict[tuple[str, str, str, str], Path] = field(repr=False)
+    emits: bool = False  # some material does, and its images hold it
 
     @property
     def lambert_ids(self) -> tuple[int, ...]:
@@ -89,7 +90,7 @@ def _shared(path: Path, generation: int) -> Scene:
     images = {}
     for light in lights:
         for kind, tail in (("point", ""), ("aa", "_aa")):
-            for variant, end in (("principled", ""), ("lambertggx", "_lambertggx")):
+            for variant, end in (("principled", ""), ("lambertggx", "_lambertggx"), ("multiggx", "_multiggx")):
                 file = path.parent / f"{name}_gt_{light}_noshadow{tail}{end}.exr"
                 if file.exists():
                     images["main", kind, light, variant] = file
@@ -101,6 +102,7 @@ def _shared(path: Path, generation: int) -> Scene:
         eyes={"main": _eye(facts["camera"])},
         gbuffers={("main", kind): path.parent / f"{name}_gbuf_{kind}.exr" for kind in ("point", "aa")},
         images=images,
+        emits=any("emission" in each for each in facts["materials"]),
     )
 
 

@@ -33,6 +33,7 @@ struct RelightReport {
     std::int64_t background = 0;                    ///< passed through
     std::map<std::string, std::int64_t> nonfinite;  ///< pixels with NaN or infinity, by channel; they are left black
     std::vector<std::string> warnings;
+    std::vector<std::string> notes;  ///< what was decided where the rig left it open, one sentence each
     double seconds = 0;
 };
 

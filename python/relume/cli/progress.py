@@ -35,6 +35,7 @@ class Follower:
         self._json = as_json
         self._shares: dict[Frame, float] = {}
         self._warned: Counter[str] = Counter()
+        self._noted: set[str] = set()
         self._start = time.perf_counter()
         self._next_line = _JSON_INTERVAL
         self._emit("start", frames=total)
@@ -86,6 +87,7 @@ class Follower:
         if report is not None:
             fields |= {"shaded": report.shaded, "background": report.background, "nonfinite": report.nonfinite}
             fields["warnings"] = report.warnings
+            fields["notes"] = report.notes
         if result.error is not None:
             fields["error"] = one_line(result.error)
             self.message(f"relume: {_named(result)}")
@@ -94,6 +96,10 @@ class Follower:
             if not self._warned[warning]:
                 self.message(f"relume: {frame.title}: {warning}")
             self._warned[warning] += 1
+        for note in report.notes if report is not None and not self._quiet else ():
+            if note not in self._noted:
+                self.message(f"relume: {note}")
+            self._noted.add(note)
         self.step(result)
 
     def step(self, result: FrameResult) -> None:

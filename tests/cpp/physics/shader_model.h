@@ -209,7 +209,10 @@ inline double narrowest_width(const Model& m) {
         width = std::min(width, square(value("clearcoat_roughness")));
     if (m.has("clearcoat_gloss") && value("clearcoat") > 0)
         width = std::min(width, mix(0.1, 0.001, value("clearcoat_gloss")));
-    return std::max(width, m.info().name == "blender_principled" ? 3e-4 : 1e-3);
+    if (m.info().name != "blender_principled") return std::max(width, 1e-3);
+    if (value("coat_weight") > 0) width = std::min(width, square(value("coat_roughness")));
+    const auto generation = m.options()[static_cast<std::size_t>(m.parameter("generation").slot)];
+    return std::max(width, generation == 1 ? 3e-4 : 1.4e-5);
 }
 
 /// Uniform over the hemisphere, a share of them within a degree of the horizon or of the pole.

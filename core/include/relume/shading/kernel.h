@@ -32,6 +32,20 @@ template <class S> constexpr bool scales_by_arriving() {
     else return false;
 }
 
+/// A model whose prepare() is dear (it looks things up) says `prepares_once = true`: its ambient and emission are kept
+/// over the lights instead of being prepared anew.
+template <class S> constexpr bool prepares_once() {
+    if constexpr (requires { S::prepares_once; }) return S::prepares_once;
+    else return false;
+}
+
+/// Calls f with a null pointer to the type that shades: S itself, or where one parameter table stands for several
+/// models the one that S::with_variant() finds in the options. Variants share Params and Options with S.
+template <class S, class F> RELUME_INLINE void with_variant(const typename S::Options& options, F&& f) {
+    if constexpr (requires { S::has_variants; }) S::with_variant(options, f);
+    else f(static_cast<S*>(nullptr));
+}
+
 /// Whether a model can have light in that lobe at all.
 template <class S> constexpr bool has_lobe(Lobe lobe) {
     if constexpr (HasTerms<S>) {
@@ -136,12 +150,20 @@ template <class T> RELUME_INLINE Vec3<T> light_direction(const DirectLight& ligh
     return l;
 }
 
+/// A variant that shares its Params with others may leave some out: `static constexpr bool reads_slot(int slot)`.
+template <class S> constexpr bool reads_slot(int slot) {
+    if constexpr (requires { S::reads_slot(slot); }) return S::reads_slot(slot);
+    else return slot >= 0;
+}
+
 /// Where a tile's parameters come from, without a branch: slot k of pixel i is at base[k] + (i & mask[k]), a constant's
-/// mask is 0 and its base a batch of copies.
+/// mask is 0 and its base a batch of copies. `unread` lists those planes that the model leaves out.
 template <class S, class T> struct SlotSources {
     static constexpr int kSlots = kFloatSlots<S>;
     const float* base[kSlots];
     std::ptrdiff_t mask[kSlots];
+    int unread[kSlots];
+    int unread_count = 0;
     alignas(64) float copies[kSlots][kWidth<T>];
 
     RELUME_INLINE explicit SlotSources(const ShaderTile& tile) {
@@ -149,6 +171,7 @@ template <class S, class T> struct SlotSources {
             for (float& copy : copies[k]) copy = tile.constants[k];
             base[k] = tile.slots[k] != nullptr ? tile.slots[k] : copies[k];
             mask[k] = tile.slots[k] != nullptr ? -1 : 0;
+            if (tile.slots[k] != nullptr && !reads_slot<S>(k)) unread[unread_count++] = k;
         }
     }
 };
@@ -156,8 +179,10 @@ template <class S, class T> struct SlotSources {
 template <class S, class T>
 RELUME_INLINE void load_params(typename S::template Params<T>& params, const SlotSources<S, T>& from, int i) {
     T* slots = reinterpret_cast<T*>(&params);
-    static_for<kFloatSlots<S>>([&](auto k)
-                                   RELUME_INLINE_LAMBDA { slots[k] = load<T>(from.base[k] + (i & from.mask[k])); });
+    static_for<kFloatSlots<S>>([&](auto k) RELUME_INLINE_LAMBDA {
+        if constexpr (reads_slot<S>(k)) slots[k] = load<T>(from.base[k] + (i & from.mask[k]));
+        else slots[k] = T(0.f);
+    });
 }
 
 /// The model's uniform values, copied out of the tile or the evaluation.
@@ -178,7 +203,9 @@ RELUME_INLINE auto prepare(const typename S::template Params<T>& params, const t
 template <class S, class T> RELUME_INLINE T sum_of(const typename S::template Params<T>& params) {
     const T* slots = reinterpret_cast<const T*>(&params);
     T sum[2] = {T(0.f), T(0.f)};
-    static_for<kFloatSlots<S>>([&](auto k) RELUME_INLINE_LAMBDA { sum[k % 2] = sum[k % 2] + slots[k]; });
+    static_for<kFloatSlots<S>>([&](auto k) RELUME_INLINE_LAMBDA {
+        if constexpr (reads_slot<S>(k)) sum[k % 2] = sum[k % 2] + slots[k];
+    });
     return sum[0] + sum[1];
 }
 
@@ -196,8 +223,9 @@ RELUME_INLINE void prefetch_inputs(const ShaderTile& tile, const SlotSources<S, 
         prefetch_ahead<T>(tile.normal[k] + i);
         if (tile.position[0] != nullptr) prefetch_ahead<T>(tile.position[k] + i);
     }
-    static_for<kFloatSlots<S>>([&](auto k)
-                                   RELUME_INLINE_LAMBDA { prefetch_ahead<T>(from.base[k] + (i & from.mask[k])); });
+    static_for<kFloatSlots<S>>([&](auto k) RELUME_INLINE_LAMBDA {
+        if constexpr (reads_slot<S>(k)) prefetch_ahead<T>(from.base[k] + (i & from.mask[k]));
+    });
 }
 
 template <class T> RELUME_INLINE Vec3<T> load3(const float* const (&planes)[3], int i) {
@@ -290,8 +318,11 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& s
         }
     }
 
+    if constexpr (requires { S::reads_slot(0); })  // NaN in what the model leaves out counts all the same
+        for (int k = 0; k < sources.unread_count; ++k) poison = poison + load<T>(sources.base[sources.unread[k]] + i);
     typename S::template Params<T> params;
     load_params<S, T>(params, sources, i);
+    if constexpr (prepares_once<S>()) poison = poison + sum_of<S, T>(params);
     const auto prepared = prepare<S, T>(params, options, tables, g);
 
     constexpr bool kSum = HasTerms<S> && term_count<S>() <= kMaxSummedTerms;
@@ -326,10 +357,16 @@ RELUME_INLINE int shade_batch(const ShaderTile& tile, const SlotSources<S, T>& s
 
     // What the lights do not need is prepared only now, from the parameters read again (the cache has them): kept over
     // the loop it would be stored and loaded. What of the two prepare() is not used, the optimiser drops.
-    typename S::template Params<T> params_after;
-    load_params<S, T>(params_after, sources, opaque(i));
-    poison = poison + sum_of<S, T>(params_after);
-    const auto after = prepare<S, T>(params_after, options, tables, g);
+    const auto after = [&]() RELUME_INLINE_LAMBDA {
+        if constexpr (prepares_once<S>()) {
+            return prepared;
+        } else {
+            typename S::template Params<T> params_after;
+            load_params<S, T>(params_after, sources, opaque(i));
+            poison = poison + sum_of<S, T>(params_after);
+            return prepare<S, T>(params_after, options, tables, g);
+        }
+    }();
 
     Color<T> lobes[3] = {splat(zero), splat(zero), splat(zero)};
     if constexpr (kSum) {
@@ -482,22 +519,37 @@ template <class S, class T> __attribute__((flatten)) static void shade_tile_with
     tile->nonfinite = nonfinite;
 }
 
+/// A model that is too large for pairs of batches says `single_batches = true`.
+template <class S> constexpr bool single_batches() {
+    if constexpr (requires { S::single_batches; }) return S::single_batches;
+    else return false;
+}
+
 /// The number type for a tile: one batch or a pair of them, by the light count alone, so that all tiles of a frame
 /// agree.
-template <class S, class T> static void shade_tile(ShaderTile* tile) {
+template <class S, class T> static void shade_tile_of(ShaderTile* tile) {
 #if defined(RELUME_ISA_BATCH) && !defined(RELUME_SINGLE_BATCHES)
+    if constexpr (!single_batches<S>()) {
 #  if defined(__AVX512F__)
-    // 32 registers hold one batch's pixel; a pair's spill, which pays from four lights on.
-    if (tile->light_count < 4) return shade_tile_with<S, T>(tile);
+        // 32 registers hold one batch's pixel; a pair's spill, which pays from four lights on.
+        if (tile->light_count < 4) return shade_tile_with<S, T>(tile);
 #  endif
-    shade_tile_with<S, Pair<T>>(tile);
-#else
-    shade_tile_with<S, T>(tile);
+        return shade_tile_with<S, Pair<T>>(tile);
+    }
 #endif
+    shade_tile_with<S, T>(tile);
+}
+
+template <class S, class T> static void shade_tile(ShaderTile* tile) {
+    typename S::Options options;
+    if constexpr (kOptionSlots<S> != 0) std::memcpy(&options, tile->options, sizeof options);
+    with_variant<S>(options, [&](auto* variant) RELUME_INLINE_LAMBDA {
+        shade_tile_of<std::remove_pointer_t<decltype(variant)>, T>(tile);
+    });
 }
 
 /// f·NdotL on arrays, by the same code.
-template <class S, class T> static void evaluate_arrays(const ShaderEvaluation<T>* e) {
+template <class S, class T> static void evaluate_arrays_of(const ShaderEvaluation<T>* e) {
     typename S::Options options;
     Tables<S> tables;
     load_uniforms<S>(*e, options, tables);
@@ -530,6 +582,14 @@ template <class S, class T> static void evaluate_arrays(const ShaderEvaluation<T
             outputs[k][2][i] = lit ? lobes[k]->z : T(0);
         }
     }
+}
+
+template <class S, class T> static void evaluate_arrays(const ShaderEvaluation<T>* e) {
+    typename S::Options options;
+    if constexpr (kOptionSlots<S> != 0) std::memcpy(&options, e->options, sizeof options);
+    with_variant<S>(options, [&](auto* variant) RELUME_INLINE_LAMBDA {
+        evaluate_arrays_of<std::remove_pointer_t<decltype(variant)>, T>(e);
+    });
 }
 
 }  // namespace relume
