@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from .lights import RigLight, rig_light
 from .linking import LeftOutError
+from .surface import has_nodes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -44,7 +45,7 @@ def _placed_lights(
             yield evaluated, evaluated.matrix_world, thing.name
     counts: dict[str, int] = {}
     for instance in depsgraph.object_instances:
-        if instance.is_instance and instance.object.type == "LIGHT" and _is_rendered(instance.parent):
+        if instance.is_instance and instance.object.type == "LIGHT" and _is_rendered(instance.parent.original):
             name = instance.object.name
             counts[name] = counts.get(name, 0) + 1
             yield instance.object, instance.matrix_world.copy(), f"{instance.parent.name}/{name}/{counts[name]}"
@@ -68,7 +69,7 @@ def _world_light(world: bpy.types.World | None) -> str:
     """Why the world's light is left out; empty where it is black."""
     if world is None:
         return ""
-    if world.node_tree is None or not world.use_nodes:
+    if not has_nodes(world):
         lit = max(world.color) > 0
     else:
         output = world.node_tree.get_output_node("CYCLES")

@@ -116,13 +116,20 @@ def source_of(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
     return None
 
 
+def has_nodes(owner: bpy.types.Material | bpy.types.World) -> bool:
+    """Whether nodes say what it looks like; since Blender 5 they always do, and asking is deprecated."""
+    import bpy
+
+    return owner.node_tree is not None and (bpy.app.version >= (5, 0, 0) or owner.use_nodes)
+
+
 def read_material(material: bpy.types.Material) -> Reading:
     """The surface of a material, by its output for Cycles.
 
     Raises:
         UnwiredError: its surface is not one that relume has parameters for.
     """
-    if material.node_tree is None or not material.use_nodes:
+    if not has_nodes(material):
         raise UnwiredError("it has no nodes")
     output = material.node_tree.get_output_node("CYCLES")
     if output is None:

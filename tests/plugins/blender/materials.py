@@ -10,10 +10,16 @@ import bpy
 from mathutils import Matrix, Vector
 
 
+def use_nodes(owner: Any) -> None:
+    """A material or world of Blender 4.5 has nodes when told so; later ones always have."""
+    if bpy.app.version < (5, 0, 0):
+        owner.use_nodes = True
+
+
 def _new(name: str) -> tuple[Any, Any, Any]:
     """An empty material, its tree and its output."""
     material = bpy.data.materials.new(name)
-    material.use_nodes = True
+    use_nodes(material)
     tree = material.node_tree
     tree.nodes.clear()
     return material, tree, tree.nodes.new("ShaderNodeOutputMaterial")
@@ -247,7 +253,7 @@ def add_camera(distance: float, lens: float) -> None:
 
 def empty_scene(width: int, height: int, samples: int = 1) -> Any:
     """An empty scene for Cycles: pixel-centre samples, direct light alone, a black world."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"
@@ -262,7 +268,7 @@ def empty_scene(width: int, height: int, samples: int = 1) -> Any:
     scene.render.resolution_x, scene.render.resolution_y = width, height
     scene.render.resolution_percentage = 100
     scene.world = bpy.data.worlds.new("black")
-    scene.world.use_nodes = True
+    use_nodes(scene.world)
     scene.world.node_tree.nodes.clear()
     return scene
 
