@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A render's passes, loaded: as arrays that stay in memory, so that a light that moves costs shading and nothing else."""
+"""A render's passes in memory, as arrays: a light that moves costs shading and nothing else."""
 
 from __future__ import annotations
 
-import os
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -55,6 +55,17 @@ def save_render_result(scene: bpy.types.Scene, folder: Path) -> Path:
     return path
 
 
+@dataclass
+class _Scale:
+    """The frame, or every second pixel of it: views of the same arrays."""
+
+    frame: relume.GBuffer
+    #: Without what only one of several passes may add.
+    further: relume.GBuffer
+    #: Top row first.
+    pixels: np.ndarray[Any, Any]
+
+
 class LoadedFrame:
     """A frame in memory: the channels that a rig reads, and mattes as lights ask for them."""
 
@@ -67,15 +78,24 @@ class LoadedFrame:
         for use in rig.shader:
             wanted |= dict.fromkeys(row.name for row in use.parameters if row.name in present)
         arrays = file.load(*wanted)
+        spread = "normal_variance" in present
+        self._options: dict[str, Any] = {"working_space": file.working_space}
+        self._options["normal_variance"] = "on" if spread else "off"
+        if spread:
+            arrays["normal"] = _stored_normal(file)
+            if "coverage" in arrays:
+                # As a renderer leaves it: what is divided by coverage already counts as no mean.
+                arrays["normal"] *= arrays["coverage"][..., None]
+                self._options["channels"] = {"normal": {"premultiplied": True}}
         self._rig = self._of_arrays(rig, arrays)
-        camera = None if "position" in arrays else file.camera
-        self._frame = relume.GBuffer(camera=camera, working_space=file.working_space, **arrays)
-        later = {name: array for name, array in arrays.items() if name not in _ONCE}
-        self._further = relume.GBuffer(camera=camera, working_space=file.working_space, **later)
+        _fold_constants(self._rig, arrays)
+        self._arrays = arrays
+        if "position" not in arrays:
+            self._options["camera"] = file.camera
+        self._scales: dict[int, _Scale] = {}
         height, width = file.shape
         #: Bottom row first, as Blender has its images.
         self.pixels = np.zeros((height, width, 4), np.float32)
-        self._part: np.ndarray[Any, Any] | None = None
 
     @classmethod
     def read(cls, path: Path, rig: relume.Rig, frame: int | None = None) -> LoadedFrame:
@@ -131,12 +151,22 @@ class LoadedFrame:
             self._mattes[patterns] = self._file.matte(*patterns)
         return self._mattes[patterns]
 
-    def relight(self, lights: list[RigLight]) -> relume.Report:
+    @property
+    def has_proxy(self) -> bool:
+        """Whether every second pixel can stand for four: with a camera in place of positions it cannot."""
+        return "position" in self._arrays
+
+    def relight(self, lights: list[RigLight], step: int = 1) -> relume.Report:
         """Relight into ``pixels``. Light linking is by the Cryptomatte of the objects.
+
+        Args:
+            lights: of the scene.
+            step: 2 shades every second pixel of every second row, which then stands for four.
 
         Raises:
             relume.Error: a channel is missing that a light or the model needs.
         """
+        scale = self._scale(step)
         report = None
         for linking, some in _by_linking(lights):
             rig = self._rig.copy()
@@ -147,18 +177,59 @@ class LoadedFrame:
             if linking is None:
                 if not len(rig.light):
                     rig.light.add(_DARK, "ambient", irradiance=0.0)
-                report = relume.relight(self._frame, rig, out={"beauty": self.pixels[::-1]}).report
-                continue
-            if self._part is None:
-                self._part = np.empty_like(self.pixels)
-            relume.relight(self._further, rig, out={"beauty": self._part[::-1]})
-            self.pixels[..., :3] += self._part[..., :3] * self._share(linking)[::-1, :, None]
+                report = relume.relight(scale.frame, rig, out={"beauty": scale.pixels}).report
+            else:
+                part = relume.relight(scale.further, rig)["beauty"]
+                scale.pixels[..., :3] += part[..., :3] * self._share(linking)[::step, ::step, None]
         assert report is not None
+        if step > 1:
+            wide = np.repeat(scale.pixels, step, axis=1)[:, : self.size[0]]
+            for row in range(step):
+                rows = self.pixels[::-1][row::step]
+                rows[...] = wide[: len(rows)]
         return report
+
+    def _scale(self, step: int) -> _Scale:
+        if step not in self._scales:
+            arrays = {name: array[::step, ::step] for name, array in self._arrays.items()}
+            later = {name: array for name, array in arrays.items() if name not in _ONCE}
+            pixels = self.pixels[::-1] if step == 1 else np.zeros((*arrays["normal"].shape[:2], 4), np.float32)
+            frame = relume.GBuffer(**self._options, **arrays)
+            self._scales[step] = _Scale(frame, relume.GBuffer(**self._options, **later), pixels)
+        return self._scales[step]
 
     def _share(self, linking: Linking) -> np.ndarray[Any, Any]:
         share = self.matte(linking.include) if linking.include else np.ones(self._file.shape, np.float32)
         return share * (1 - self.matte(linking.exclude)) if linking.exclude else share
+
+
+def _stored_normal(file: relume.GBuffer) -> np.ndarray[Any, Any]:
+    """The normals as the file has them, divided by coverage: a mean over the pixel is shorter than 1, and that widens
+    highlights."""
+    stored = next(info.sources for info in file.channels if info.name == "normal")
+    planar = np.empty((3, *file.shape), np.float32)
+    file.load(*stored, out=dict(zip(stored, planar, strict=True)))
+    return np.moveaxis(planar, 0, -1)
+
+
+def _fold_constants(rig: relume.Rig, arrays: dict[str, Any]) -> None:
+    """What is the same in every pixel that has a surface is a constant of the rig: less to keep and to read."""
+    surface = np.abs(arrays["normal"]).max(axis=-1) > 0
+    if not surface.any():
+        return
+    first = np.unravel_index(np.argmax(surface), surface.shape)
+    rows = {row.name: row for use in rig.shader for row in use.parameters if row.type in ("scalar", "color")}
+    for name in [name for name in arrays if name in rows]:
+        array = arrays[name]
+        value, differs = array[first], array != array[first]
+        if (differs.any(axis=-1) if differs.ndim == 3 else differs)[surface].any():
+            continue
+        if not (value >= rows[name].min).all() or not (value <= rows[name].max).all():
+            continue  # a channel is clamped, a constant of a rig would be refused
+        del arrays[name]
+        for use in rig.shader:
+            if name in (row.name for row in use.parameters) and name not in use._given():
+                setattr(use, name, tuple(map(float, value)) if array.ndim == 3 else float(value))
 
 
 def _by_linking(lights: list[RigLight]) -> Iterator[tuple[Linking | None, list[RigLight]]]:
@@ -188,6 +259,6 @@ def newest(path: Path, frame: int) -> tuple[str, int]:
 
     name = resolve_frame(str(path), frame)
     try:
-        return name, os.stat(name).st_mtime_ns
+        return name, Path(name).stat().st_mtime_ns
     except OSError:
         return name, 0

@@ -3,7 +3,7 @@
 
     sun     E = strength · color, along the object's −Z
     point   E = power · color / (4π d²); with soft falloff and a radius r / (4π (d² + r²))
-    spot    point's, times smoothstep((c − cos(size/2)) / ((1 − cos(size/2)) · blend)), c the cosine from the object's −Z
+    spot    point's, times smoothstep((c − cos(size/2)) / ((1 − cos(size/2)) · blend)), c the cosine from −Z
 
 Each is multiplied by 2^exposure, by the color of its temperature, and by the Emission node of its node tree where that
 holds constants. What a rig cannot say, and what the core does not shade yet, is left out with a reason.

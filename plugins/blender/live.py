@@ -2,7 +2,9 @@
 """Live: a light that moves or changes has the picture relit, as often as there is time for it.
 
 Handlers only note what has changed; the work is done from a timer, so that ten changes between two redraws cost one
-relight. Without an event loop (``blender -b``, the module bpy) it is done at once.
+relight. Where a whole frame takes too long to follow a hand, every second pixel of every second row is shaded while
+something moves, and the whole frame as soon as nothing has moved for a moment. Without an event loop (``blender -b``,
+the module bpy) it is done at once.
 """
 
 from __future__ import annotations
@@ -17,6 +19,12 @@ if TYPE_CHECKING:
     from .frames import LoadedFrame
 
 
+#: A frame that takes longer is shaded by a quarter of its pixels while something moves.
+_SECONDS_TO_FOLLOW = 0.09
+#: With nothing moving for so long, the whole frame is shaded.
+_SECONDS_OF_REST = 0.2
+
+
 class _State:
     """The frame in memory, and what is out of date."""
 
@@ -28,6 +36,8 @@ class _State:
     #: The rig beyond the lights has changed: shaders, [output], the file.
     rig_is_stale = True
     busy = False
+    #: What a relight of the whole frame took last.
+    seconds = 0.0
 
 
 _state = _State()
@@ -42,8 +52,10 @@ def _origin(scene: bpy.types.Scene) -> tuple[object, ...]:
     return (scene.name, *newest(source_file(scene), scene.frame_current))
 
 
-def relight_scene(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bpy.types.Image:
+def relight_scene(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, step: int = 1) -> bpy.types.Image:
     """Relight the scene's render by its lights as they are; what is loaded already is not loaded again.
+
+    With a step of 2 every second pixel of every second row is shaded.
 
     Raises:
         NoFrameError: there is no render to relight.
@@ -56,6 +68,7 @@ def relight_scene(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bpy
 
     start = time.perf_counter()
     origin = _origin(scene)
+    loads = _state.frame is None or _state.origin != origin or _state.rig_is_stale
     if _state.frame is None or _state.origin != origin or _state.rig_is_stale:
         rig = base_rig(scene)
         _state.frame = None  # two frames need not be in memory
@@ -65,10 +78,12 @@ def relight_scene(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bpy
             _state.frame = LoadedFrame.read(source_file(scene), rig, scene.frame_current)
         _state.origin, _state.rig_is_stale = origin, False
     lights = scene_lights(scene, depsgraph)
-    report = _state.frame.relight(lights.lights)
+    report = _state.frame.relight(lights.lights, step)
     image = show(scene, _state.frame)
     _say(scene, lights.left_out, [*lights.notes, *(("", text) for text in (*_state.frame.notes, *report.warnings))])
     scene.relume.seconds = time.perf_counter() - start
+    if step == 1 and not loads:
+        _state.seconds = scene.relume.seconds
     return image
 
 
@@ -111,17 +126,27 @@ def request() -> None:
     """Relight soon: once, however often this is called before it happens."""
     if bpy.app.background:
         _tick()
-    elif not bpy.app.timers.is_registered(_tick):
-        bpy.app.timers.register(_tick, first_interval=0.0)
+    elif not bpy.app.timers.is_registered(_tick_moving):
+        bpy.app.timers.register(_tick_moving, first_interval=0.0)
 
 
-def _tick() -> None:
+def _tick_moving() -> None:
+    """Relight as fast as a hand moves."""
+    slow = _state.seconds > _SECONDS_TO_FOLLOW and _state.frame is not None and _state.frame.has_proxy
+    _tick(2 if slow else 1)
+    if bpy.app.timers.is_registered(_tick):
+        bpy.app.timers.unregister(_tick)
+    if slow:
+        bpy.app.timers.register(_tick, first_interval=_SECONDS_OF_REST)
+
+
+def _tick(step: int = 1) -> None:
     scene = bpy.context.scene
     if _state.busy or scene is None or not scene.relume.live:
         return
     _state.busy = True  # what is written here is itself a change
     try:
-        relight_scene(scene, bpy.context.evaluated_depsgraph_get())
+        relight_scene(scene, bpy.context.evaluated_depsgraph_get(), step)
     except Exception as error:
         from relume import Error
 
@@ -200,6 +225,7 @@ def unregister() -> None:
     """Take handlers and timer away, and free the frame."""
     for name, handler in _HANDLERS.items():
         getattr(bpy.app.handlers, name).remove(handler)
-    if bpy.app.timers.is_registered(_tick):
-        bpy.app.timers.unregister(_tick)
+    for timer in (_tick_moving, _tick):
+        if bpy.app.timers.is_registered(timer):
+            bpy.app.timers.unregister(timer)
     forget()

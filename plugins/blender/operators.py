@@ -2,6 +2,7 @@
 """The buttons: set up passes, relight, write a rig, load one. relight_range.py has the one for a frame range."""
 
 # No `from __future__ import annotations`: Blender wants the annotations themselves.
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -89,6 +90,12 @@ class RELUME_OT_relight(bpy.types.Operator):
         return {"FINISHED"}
 
 
+def _from_rig(scene: bpy.types.Scene, source: Path, rig: Path) -> str:
+    """The render's name in a rig: relative where the user has it relative to the .blend file."""
+    given = scene.relume.filepath or scene.render.filepath
+    return os.path.relpath(source, rig.parent) if given.startswith("//") else str(source)
+
+
 def rig_of_scene(context: bpy.types.Context) -> "SceneRig":
     """The scene's rig, with keys for what moves over its frame range where the user wants them."""
     from .scene_rig import animated_rig, scene_rig
@@ -117,7 +124,7 @@ class RELUME_OT_write_rig(bpy.types.Operator, ExportHelper):
         def write() -> "SceneRig":
             made = rig_of_scene(context)
             if not made.rig.gbuffer.file:
-                made.rig.gbuffer.file = str(source_file(context.scene))
+                made.rig.gbuffer.file = _from_rig(context.scene, source_file(context.scene), Path(self.filepath))
             made.rig.save(self.filepath)
             return made
 

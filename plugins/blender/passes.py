@@ -130,7 +130,5 @@ def _bare_objects(scene: bpy.types.Scene) -> list[bpy.types.Object]:
     return [
         thing
         for thing in scene.objects
-        if thing.type in _SURFACES
-        and not thing.hide_render
-        and not any(slot.material for slot in thing.material_slots)
+        if thing.type in _SURFACES and not thing.hide_render and not any(slot.material for slot in thing.material_slots)
     ]

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Blender properties: made from relume's own tables, with their ranges, units and help, and the few that are Blender's.
 
-    scene.relume          where the render is, what is shown, the rig beyond the lights
-    scene.relume.output   [output] of the rig
-    scene.relume.shaders  one group for each shading model: options, and parameters that replace the render's channels
-    light.relume          what a rig says of a light and Blender does not
+scene.relume          where the render is, what is shown, the rig beyond the lights
+scene.relume.output   [output] of the rig
+scene.relume.shaders  one group for each shading model: options, and parameters that replace the render's channels
+light.relume          what a rig says of a light and Blender does not
 """
 
 # No `from __future__ import annotations`: Blender wants the annotations themselves.
@@ -140,7 +140,10 @@ class _SceneSettings:
         update=live.settings_changed,
     )
     rig_path: StringProperty(
-        name="Rig", description="The .relume file that is written or loaded", subtype="FILE_PATH", default="//scene.relume"
+        name="Rig",
+        description="The .relume file that is written or loaded",
+        subtype="FILE_PATH",
+        default="//scene.relume",
     )
     rig_extra: PointerProperty(
         type=bpy.types.Text,

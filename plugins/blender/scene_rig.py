@@ -56,7 +56,9 @@ def base_rig(scene: bpy.types.Scene) -> relume.Rig:
     text = settings.rig_extra
     rig = relume.Rig.loads(text.as_string(), f"Text '{text.name}'") if text is not None else relume.Rig()
     if not len(rig.shader):
-        _add_shaders(rig, settings.shader, given(getattr(settings.shaders, settings.shader), shader_rows(settings.shader)))
+        _add_shaders(
+            rig, settings.shader, given(getattr(settings.shaders, settings.shader), shader_rows(settings.shader))
+        )
     for name, value in given(settings.output, output_rows()).items():
         setattr(rig.output, name, value)
     if len(scene.view_layers) > 1 and rig.gbuffer.part is None:
@@ -96,9 +98,7 @@ def scene_rig(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> SceneRi
     return SceneRig(rig, lights)
 
 
-def animated_rig(
-    scene: bpy.types.Scene, depsgraph_of: Callable[[], bpy.types.Depsgraph], frames: range
-) -> SceneRig:
+def animated_rig(scene: bpy.types.Scene, depsgraph_of: Callable[[], bpy.types.Depsgraph], frames: range) -> SceneRig:
     """The rig of a frame range: what changes over it is keyed. The scene is at its own frame again afterwards."""
     import relume
 

@@ -3,8 +3,9 @@
 
 A linked input is linked to its AOV too. A constant is copied, and the copy knows where from: refresh() brings it up to
 date when a slider has moved (a driver would make the tree depend on itself). A Mix Shader becomes a Mix node for each
-parameter. A group gets an output for each parameter that comes from inside. Every node made here carries a mark, and its material the signature of what was read, so that a second pass
-changes nothing, and a later one rewires only what has changed.
+parameter. A group gets an output for each parameter that comes from inside. Every node made here carries a mark, and
+its material the signature of what was read, so that a second pass changes nothing, and a later one rewires only what
+has changed.
 """
 
 from __future__ import annotations

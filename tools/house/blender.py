@@ -115,5 +115,5 @@ def test_runs(archive: Path) -> Iterator[TestRun]:
         report.unlink(missing_ok=True)
         environment = _clean_environment()
         environment |= {"BLENDER_USER_RESOURCES": str(resources), "RELUME_BLENDER_EXTENSION": str(archive)}
-        command = [blender_python(version), "-m", "pytest", "-q", "-p", "no:cacheprovider", f"--junitxml={report}"]
-        yield TestRun(f"tests in Blender {version}", [*command, _TESTS], environment, report)
+        command: list[str | Path] = [blender_python(version), "-m", "pytest", "-q", "-p", "no:cacheprovider"]
+        yield TestRun(f"tests in Blender {version}", [*command, f"--junitxml={report}", _TESTS], environment, report)

@@ -120,8 +120,8 @@ def _step(tally: Tally, title: str, action: Callable[[], object]) -> bool:
 
 
 def test(arguments: list[str]) -> int:
-    """Build everything and run every test: test [quick] [--blender] [PYTEST-ARGS...]; quick leaves the other builds out,
-    --blender adds the extension's tests in Blender 5.0 and 4.5, which it fetches once (740 MB)"""
+    """Build everything and run every test: test [quick] [--blender] [PYTEST-ARGS...]; quick leaves the other builds
+    out, --blender adds the extension's tests in Blender 5.0 and 4.5, which it fetches once (740 MB)"""
     start = time.monotonic()
     quick = arguments[:1] == ["quick"]
     with_blender = "--blender" in arguments

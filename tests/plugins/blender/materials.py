@@ -81,9 +81,7 @@ def linked() -> None:
 
 def metal() -> None:
     _, tree, output = _new("metal")
-    node = _principled(
-        tree, Base_Color=(0.9, 0.6, 0.3), Metallic=1.0, Roughness=0.3, Specular_Tint=(0.8, 0.9, 1.0)
-    )
+    node = _principled(tree, Base_Color=(0.9, 0.6, 0.3), Metallic=1.0, Roughness=0.3, Specular_Tint=(0.8, 0.9, 1.0))
     _surface(tree, output, node)
 
 

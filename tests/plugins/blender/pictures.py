@@ -38,7 +38,7 @@ def direct_light(scene: Any, folder: Path) -> Array:
             other.hide_render = other is not light
         gbuffer = render(scene, folder / f"{light.name}.exr")
         total = total + gbuffer["beauty"][..., :3]
-        emission = gbuffer["emission"] if "emission" in gbuffer else 0.0
+        emission = gbuffer["emission"]
     for light in lights:
         light.hide_render = False
     return total - (len(lights) - 1) * emission

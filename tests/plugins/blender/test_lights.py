@@ -93,7 +93,7 @@ def test_light_is_cycles(case: str, module: Callable[[str], Any], folder: Path) 
     add(scene, *CASES[case])
     gbuffer = render(scene, folder / "plane.exr")
     truth = gbuffer["beauty"][..., :3]
-    # Where a cone fades out, the 0.01 pixels by which Position is off centre are more than a thousandth of what is left.
+    # Where a cone fades out, the 0.01 pixels by which Position is off centre are a thousandth of what is left.
     errors = relative_errors(relit(scene, gbuffer, module), truth, truth[..., 0] > 0.25 * truth[..., 0].max())
     assert errors.size > 500
     assert np.median(errors) <= 2e-4
