@@ -3,6 +3,7 @@
 
     sun     E = strength · color, along the object's −Z
     point   E = power · color / (4π d²); with soft falloff and a radius r / (4π (d² + r²))
+    area    radiance L = power · color / (π A) on the side of −Z, A the light's area
     spot    point's, times smoothstep((c − cos(size/2)) / ((1 − cos(size/2)) · blend)), c the cosine from −Z
 
 Each is multiplied by 2^exposure, by the color of its temperature, and by the Emission node of its node tree where that
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 #: Blender's type -> the rig's. A lamp's area is a type of its own in a rig, by its shape.
 _TYPES = {"SUN": "sun", "POINT": "point", "SPOT": "spot"}
+#: Shape of an area light -> the rig's type.
+_SHAPES = {"SQUARE": "rect", "RECTANGLE": "rect", "DISK": "disk"}
 
 
 @dataclass
@@ -104,7 +107,49 @@ def _sun_keys(light: bpy.types.Light, matrix: Matrix, notes: list[str]) -> dict[
     return {"direction": _unit(-matrix.col[2].to_3d()), "irradiance": strength}
 
 
-_KEYS = {"SUN": _sun_keys, "POINT": _point_keys, "SPOT": _spot_keys}
+def area_keys(light: bpy.types.Light, matrix: Matrix, notes: list[str]) -> dict[str, Any]:
+    """Keys of an area light, by its shape.
+
+    Raises:
+        LeftOutError: an ellipse, which no rig has, or a beam.
+    """
+    if light.shape not in _SHAPES:
+        raise LeftOutError(f"an area light of shape {light.shape.lower()}; a rig has rectangles and disks")
+    if light.spread < math.pi - 1e-3:
+        raise LeftOutError(f"an area light with a spread of {math.degrees(light.spread):.3g}°; a rig has 180°")
+    scale = [abs(factor) for factor in matrix.to_scale()]
+    size = (light.size * scale[0], (light.size_y if light.shape == "RECTANGLE" else light.size) * scale[1])
+    area = size[0] * size[1] * (1.0 if _SHAPES[light.shape] == "rect" else math.pi / 4)
+    if area <= 0:
+        raise LeftOutError("an area light without area")
+    keys: dict[str, Any] = {
+        "position": tuple(matrix.translation),
+        "direction": _unit(-matrix.col[2].to_3d()),
+        "radiance": light.energy / math.pi / (area if light.normalize else 1.0),
+    }
+    if _SHAPES[light.shape] == "rect":
+        return keys | {"up": _unit(matrix.col[1].to_3d()), "size": list(size)}
+    if abs(size[0] - size[1]) > 1e-4 * size[0]:
+        raise LeftOutError("a disk that its scale makes an ellipse; a rig's is round")
+    return keys | {"radius": size[0] / 2}
+
+
+_KEYS = {"SUN": _sun_keys, "POINT": _point_keys, "SPOT": _spot_keys, "AREA": area_keys}
+
+
+def _type_of(light: bpy.types.Light, keys: dict[str, Any]) -> str:
+    """The rig's type of a light.
+
+    Raises:
+        LeftOutError: the core does not shade it yet.
+    """
+    import relume
+
+    name = _TYPES.get(light.type) or _SHAPES[light.shape]
+    known = {row.name for row in relume.light_types[name].parameters} if name in relume.light_types else set()
+    if not set(keys) <= known:
+        raise LeftOutError(f"a light of type {light.type.lower()}; relume does not shade these yet")
+    return name
 
 
 def rig_light(thing: bpy.types.Object, matrix: Matrix, name: str) -> RigLight:
@@ -119,13 +164,12 @@ def rig_light(thing: bpy.types.Object, matrix: Matrix, name: str) -> RigLight:
         LeftOutError: a rig cannot hold it, or the core does not shade its type yet.
     """
     light = thing.data
-    if light.type not in _TYPES:
-        raise LeftOutError(f"a light of type {light.type.lower()}; relume does not shade these yet")
     notes: list[str] = []
     color = _factors(light)
     if min(color) < 0 or light.energy < 0:
         raise LeftOutError("it takes light away (a negative color or power)")
     keys = _KEYS[light.type](light, matrix, notes)
+    name_of_type = _type_of(light, keys)
     keys["color"] = color
     keys["exposure"] = light.exposure
     for key, seen in (("diffuse", thing.visible_diffuse), ("specular", thing.visible_glossy)):
@@ -137,4 +181,4 @@ def rig_light(thing: bpy.types.Object, matrix: Matrix, name: str) -> RigLight:
         keys["include"] = list(linking.include)
     if linking.exclude:
         keys["exclude"] = list(linking.exclude)
-    return RigLight(name, _TYPES[light.type], keys, notes)
+    return RigLight(name, name_of_type, keys, notes)

@@ -36,6 +36,8 @@ class _State:
     #: The rig beyond the lights has changed: shaders, [output], the file.
     rig_is_stale = True
     busy = False
+    #: Cycles is at work: its frames are none that the user has gone to.
+    rendering = False
     #: What a relight of the whole frame took last.
     seconds = 0.0
 
@@ -117,9 +119,11 @@ def settings_changed(_owner: object, context: bpy.types.Context) -> None:
 
 
 def live_switched(settings: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
-    """The switch itself (an update callback)."""
+    """The switch itself (an update callback). Off, it frees the frame."""
     if settings.live:
         request()
+    else:
+        forget()
 
 
 def request() -> None:
@@ -167,7 +171,7 @@ def _concerns_lights(updated: bpy.types.ID) -> bool:
 
 @persistent
 def _depsgraph_updated(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    if _state.busy or depsgraph.mode != "VIEWPORT":
+    if _state.busy or _state.rendering or depsgraph.mode != "VIEWPORT":
         return
     ids = [update.id for update in depsgraph.updates]
     _refresh_materials([each.original for each in ids if isinstance(each, bpy.types.Material)])
@@ -190,15 +194,28 @@ def _refresh_materials(materials: list[bpy.types.Material]) -> None:
 
 @persistent
 def _frame_changed(scene: bpy.types.Scene, _depsgraph: bpy.types.Depsgraph) -> None:
-    if scene.relume.live and not bpy.app.is_job_running("RENDER"):
+    if scene.relume.live and not _state.rendering:
         request()
 
 
 @persistent
+def _render_begins(_scene: bpy.types.Scene, _unused: object = None) -> None:
+    _state.rendering = True
+
+
+@persistent
+def _render_cancelled(_scene: bpy.types.Scene, _unused: object = None) -> None:
+    _state.rendering = False
+    _state.renders += 1
+
+
+@persistent
 def _rendered(_scene: bpy.types.Scene, _unused: object = None) -> None:
+    _state.rendering = False
     _state.renders += 1
     scene = bpy.context.scene
-    if scene is not None and scene.relume.live:
+    # A farm that renders a file which was saved with the switch on wants no relit picture.
+    if scene is not None and scene.relume.live and not bpy.app.background:
         request()
 
 
@@ -210,6 +227,8 @@ def _file_loaded(_path: object, _unused: object = None) -> None:
 _HANDLERS = {
     "depsgraph_update_post": _depsgraph_updated,
     "frame_change_post": _frame_changed,
+    "render_init": _render_begins,
+    "render_cancel": _render_cancelled,
     "render_complete": _rendered,
     "load_post": _file_loaded,
 }

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -35,12 +36,17 @@ def _is_rendered(thing: bpy.types.Object) -> bool:
     return not thing.hide_render and any(not collection.hide_render for collection in thing.users_collection)
 
 
+def _is_portal(light: bpy.types.Light) -> bool:
+    """Whether it only guides Cycles' samples to the world's light."""
+    return light.type == "AREA" and light.cycles.is_portal
+
+
 def _placed_lights(
     view_layer: bpy.types.ViewLayer, depsgraph: bpy.types.Depsgraph
 ) -> Iterator[tuple[bpy.types.Object, Matrix, str]]:
     """(evaluated object, matrix, name) of every light that a render would have."""
     for thing in view_layer.objects:
-        if thing.type == "LIGHT" and _is_rendered(thing):
+        if thing.type == "LIGHT" and _is_rendered(thing) and not _is_portal(thing.data):
             evaluated = thing.evaluated_get(depsgraph)
             yield evaluated, evaluated.matrix_world, thing.name
     counts: dict[str, int] = {}
@@ -59,10 +65,18 @@ def scene_lights(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> Scen
             result.lights.append(rig_light(thing, matrix, name))
         except LeftOutError as error:
             result.left_out.append((name, str(error)))
+    exposure = _film_exposure(scene)
+    for light in result.lights:
+        light.keys["exposure"] += exposure
     reason = _world_light(scene.world)
     if reason:
         result.left_out.append((scene.world.name, reason))
     return result
+
+
+def _film_exposure(scene: bpy.types.Scene) -> float:
+    """Stops by which Cycles' film makes every light brighter."""
+    return math.log2(scene.cycles.film_exposure) if scene.render.engine == "CYCLES" else 0.0
 
 
 def _world_light(world: bpy.types.World | None) -> str:

@@ -53,7 +53,8 @@ def test_unregister_leaves_nothing() -> None:
     assert gone["operators"] == set() and there["operators"]
     assert there["properties"] - gone["properties"] == {"Scene.relume", "Light.relume"}
     assert gone["plugins"] is None
-    ours = {"depsgraph_update_post", "frame_change_post", "render_complete", "load_post"}
+    ours = {"depsgraph_update_post", "frame_change_post", "load_post"}
+    ours |= {"render_init", "render_cancel", "render_complete"}
     assert {name for name, count in there["handlers"].items() if count != gone["handlers"][name]} == ours
 
 

@@ -135,6 +135,54 @@ def test_instances_and_hidden_lights(module: Callable[[str], Any], folder: Path)
     assert np.median(errors) <= 2e-2
 
 
+def test_film_exposure(module: Callable[[str], Any], folder: Path) -> None:
+    """Cycles' film makes every light brighter, and what glows, which the Emission pass has already."""
+    scene = lambert_plane()
+    scene.cycles.film_exposure = 3.0
+    add(scene, "SUN", {"energy": 2.0, "angle": 0.0, "exposure": 0.5})
+    gbuffer = render(scene, folder / "plane.exr")
+    errors = relative_errors(relit(scene, gbuffer, module), gbuffer["beauty"][..., :3], np.bool_(True))
+    assert np.percentile(errors, 99) <= 1e-5
+
+
+AREAS: dict[str, dict[str, Any]] = {
+    "square": {"shape": "SQUARE", "size": 0.8},
+    "rectangle": {"shape": "RECTANGLE", "size": 0.9, "size_y": 0.4},
+    "disk": {"shape": "DISK", "size": 0.7},
+    "not normalized": {"shape": "RECTANGLE", "size": 0.9, "size_y": 0.4, "normalize": False},
+}
+
+
+@pytest.mark.parametrize("case", AREAS)
+def test_area_lights_radiance(case: str, module: Callable[[str], Any], folder: Path) -> None:
+    """What an area light becomes when relume shades such lights, by quadrature over its surface, against Cycles."""
+    scene = lambert_plane()
+    scene.cycles.samples = 1024
+    thing = add(scene, "AREA", AREAS[case] | {"energy": 40.0})
+    thing.scale = (1.3, 1.3, 1.0)
+    bpy.context.view_layer.update()
+    gbuffer = render(scene, folder / "plane.exr")
+    keys = module("lights").area_keys(thing.data, thing.matrix_world, [])
+    side = (np.arange(24) + 0.5) / 24 - 0.5
+    u, v = (each.ravel() for each in np.meshgrid(side, side))
+    axis = np.array(keys["direction"])
+    up = np.array(keys.get("up", (0, 1, 0))) - axis * np.dot(axis, keys.get("up", (0, 1, 0)))
+    up /= np.linalg.norm(up)
+    size = keys["size"] if "size" in keys else [2 * keys["radius"]] * 2
+    inside = np.hypot(u, v) < 0.5 if "radius" in keys else np.full(u.shape, True)
+    points = np.array(keys["position"]) + np.outer(u * size[0], np.cross(axis, up)) + np.outer(v * size[1], up)
+    area = size[0] * size[1] * (np.pi / 4 if "radius" in keys else 1.0)
+    to = points[inside][None] - gbuffer["position"].reshape(-1, 1, 3).astype(np.float64)
+    square = (to**2).sum(axis=-1)
+    cosines = np.clip(to[..., 2], 0, None) * np.clip(-(to @ axis), 0, None)
+    irradiance = keys["radiance"] * area * (cosines / square**2).mean(axis=-1)
+    expected = 0.8 / np.pi * irradiance.reshape(gbuffer.shape)[..., None] * np.array(thing.data.color)
+    errors = relative_errors(gbuffer["beauty"][..., :3], expected, np.bool_(True))
+    assert np.median(errors) <= 5e-3  # noise of the render
+    ratio = gbuffer["beauty"][..., 0].astype(np.float64).sum() / expected[..., 0].sum()
+    assert ratio == pytest.approx(1, abs=1e-3)
+
+
 @pytest.mark.parametrize("state", ["INCLUDE", "EXCLUDE"])
 def test_light_linking(state: str, module: Callable[[str], Any], folder: Path) -> None:
     """Of two planes one is lit, as in Cycles: by the rig on the file, and by the arrays of the live picture."""

@@ -94,6 +94,27 @@ def test_live(scene: Any, folder: Path, module: Callable[[str], Any]) -> None:
     assert (picture() == frozen).all()
 
 
+def test_live_is_quiet_while_rendering(scene: Any, folder: Path, module: Callable[[str], Any]) -> None:
+    """An animation that is rendered with the switch on relights nothing on the way."""
+    render(scene, folder / "shot.exr")
+    scene.relume.source, scene.relume.filepath = "FILE", str(folder / "shot.exr")
+    scene.relume.live = True
+    before = picture()
+    lamp = bpy.data.objects["lamp"]
+    for frame, place in ((1, -4.0), (2, 1.0)):
+        lamp.location.x = place
+        lamp.keyframe_insert("location", frame=frame)
+    bpy.context.view_layer.update()
+    moved = picture()
+    assert np.abs(moved - before).max() > 1e-3
+    scene.frame_start, scene.frame_end = 1, 2
+    scene.render.filepath = str(folder / "other.####.exr")
+    bpy.ops.render.render(animation=True)
+    assert (picture() == moved).all()
+    scene.frame_set(1)
+    assert np.abs(picture() - by_file(scene, folder / "shot.exr", module)).max() <= 1e-5
+
+
 def test_live_settings(scene: Any, folder: Path, module: Callable[[str], Any]) -> None:
     """What is set of the model replaces the render's channels; more of a rig joins by a text."""
     path = folder / "shot.exr"

@@ -7,6 +7,7 @@ import importlib
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import bpy
@@ -158,6 +159,39 @@ def test_range_says_what_failed(scene: Any, folder: Path) -> None:
     scene.relume.output_path = str(folder / "one.exr")
     with pytest.raises(RuntimeError, match="####"):
         bpy.ops.relume.relight_range()
+
+
+def test_range_beside_the_users_work(scene: Any, folder: Path, module: Callable[[str], Any]) -> None:
+    """The modal way, event by event; Blender without windows sends none, so they are made here."""
+    bpy.ops.render.render(animation=True)
+    calls: list[str] = []
+
+    class Manager:
+        def __getattr__(self, name: str) -> Any:
+            return lambda *_args, **_keys: calls.append(name)
+
+    context = SimpleNamespace(
+        scene=scene,
+        window=None,
+        window_manager=Manager(),
+        workspace=SimpleNamespace(status_text_set=lambda text: calls.append("status")),
+        evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get,
+    )
+    cls = module("relight_range").RELUME_OT_relight_range
+    reports: list[Any] = []
+    operator = SimpleNamespace(report=lambda kind, text: reports.append((kind, text)), _work=None, _timer=None)
+    operator._begin = lambda context: cls._begin(operator, context)
+    operator._end = lambda work: cls._end(operator, work)
+    assert cls.invoke(operator, context, None) == {"RUNNING_MODAL"}
+    assert cls.modal(operator, context, SimpleNamespace(type="MOUSEMOVE")) == {"PASS_THROUGH"}
+    result = {"RUNNING_MODAL"}
+    while result == {"RUNNING_MODAL"}:
+        time.sleep(0.02)
+        result = cls.modal(operator, context, SimpleNamespace(type="TIMER"))
+    assert result == {"FINISHED"}
+    assert reports == [({"INFO"}, "3 of 3 frames relit")]
+    assert {"progress_begin", "progress_update", "progress_end", "event_timer_add", "event_timer_remove"} <= set(calls)
+    assert len(list((folder / "relit").iterdir())) == 3
 
 
 def test_range_stops(scene: Any, folder: Path, module: Callable[[str], Any]) -> None:
