@@ -7,7 +7,7 @@ import os
 import sys
 from collections.abc import Callable
 
-from house import build, checkout, fuzz, lint, pictures, proof
+from house import blender, build, checkout, fuzz, lint, pictures, proof
 
 
 def relume(arguments: list[str]) -> int:
@@ -38,6 +38,7 @@ COMMANDS: dict[str, Callable[[list[str]], int]] = {
     "lint": lint.lint,
     "docs": pictures.docs,
     "truth": pictures.truth,
+    "blender-extension": blender.extension,
     "relume": relume,
     "python": python,
 }
@@ -46,7 +47,8 @@ COMMANDS: dict[str, Callable[[list[str]], int]] = {
 def usage() -> str:
     """The commands, each with the first line of its docstring."""
     lines = ["usage: ./dev COMMAND [ARGS...]", ""]
-    lines += [f"  {name:7} {(command.__doc__ or '').splitlines()[0]}" for name, command in COMMANDS.items()]
+    width = max(map(len, COMMANDS))
+    lines += [f"  {name:{width}} {(command.__doc__ or '').splitlines()[0]}" for name, command in COMMANDS.items()]
     return "\n".join(lines)
 
 

@@ -10,9 +10,10 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 from xml.etree import ElementTree
 
-from house import build, fuzz, package, processor
+from house import blender, build, fuzz, package, processor
 from house.checkout import BUILD, PYTHON, ROOT, StepError, say
 
 _SANITIZER_ENVIRONMENT = {
@@ -67,16 +68,8 @@ def _gtest(tally: Tally, preset: str, isa: str | None = None, tests: str = "cpp/
         tally.failures.append(f"{title}: ended with exit code {status}")
 
 
-def _pytest(tally: Tally, arguments: list[str]) -> None:
-    report = BUILD / "release" / "pytest.xml"
-    report.unlink(missing_ok=True)
-    say("Python tests")
-    status = subprocess.run(
-        [PYTHON, "-m", "pytest", "-q", f"--junitxml={report}", *arguments],
-        cwd=ROOT,
-        env=build.python_environment(),
-        check=False,
-    ).returncode
+def _count(tally: Tally, title: str, report: Path, status: int) -> None:
+    """Count what pytest's report says; a run without a report, or that ended badly for no test's sake, has failed."""
     failed = []
     if report.exists():
         for case in ElementTree.parse(report).getroot().iter("testcase"):
@@ -86,9 +79,34 @@ def _pytest(tally: Tally, arguments: list[str]) -> None:
                 tally.skipped += 1
             else:
                 tally.passed += 1
-        tally.failures += [f"Python tests: {name}" for name in failed]
+        tally.failures += [f"{title}: {name}" for name in failed]
     if status != 0 and not failed:
-        tally.failures.append(f"Python tests: pytest ended with exit code {status}")
+        tally.failures.append(f"{title}: pytest ended with exit code {status}")
+
+
+def _pytest(tally: Tally, arguments: list[str]) -> None:
+    report = BUILD / "release" / "pytest.xml"
+    report.unlink(missing_ok=True)
+    say("Python tests")
+    status = subprocess.run(
+        [PYTHON, "-m", "pytest", "-q", f"--junitxml={report}", "--ignore=tests/plugins/blender", *arguments],
+        cwd=ROOT,
+        env=build.python_environment(),
+        check=False,
+    ).returncode
+    _count(tally, "Python tests", report, status)
+
+
+def _blender(tally: Tally) -> None:
+    """Build the extension, and run its tests in each Blender."""
+    try:
+        archive = blender.build_extension()
+        for run in blender.test_runs(archive):
+            say(run.title)
+            status = subprocess.run(run.command, cwd=ROOT, env=run.environment, check=False).returncode
+            _count(tally, run.title, run.report, status)
+    except StepError as failure:
+        tally.failures.append(f"the Blender extension: {failure}")
 
 
 def _step(tally: Tally, title: str, action: Callable[[], object]) -> bool:
@@ -106,10 +124,12 @@ def _step(tally: Tally, title: str, action: Callable[[], object]) -> bool:
 
 
 def test(arguments: list[str]) -> int:
-    """Build everything and run every test: test [quick] [PYTEST-ARGS...]; quick leaves the other builds out"""
+    """Build everything and run every test: test [quick] [--blender] [PYTEST-ARGS...]; quick leaves the other builds
+    out, --blender adds the extension's tests in Blender 5.0 and 4.5, which it fetches once (740 MB)"""
     start = time.monotonic()
     quick = arguments[:1] == ["quick"]
-    arguments = arguments[1:] if quick else arguments
+    with_blender = "--blender" in arguments
+    arguments = [word for word in arguments[quick:] if word != "--blender"]
     tally = Tally()
     build.build("release")
     for isa in processor.instruction_sets():
@@ -124,6 +144,8 @@ def test(arguments: list[str]) -> int:
         _step(tally, "damaged files and rigs under libFuzzer", functools.partial(fuzz.run, _FUZZ_SECONDS))
         _step(tally, "a program outside the tree, by find_package", package.out_of_tree)
         _step(tally, "the wheel, in a clean environment", package.wheel)
+    if with_blender:
+        _blender(tally)
     for failure in tally.failures:
         print(f"FAILED {failure}", file=sys.stderr)
     say(f"all of it took {time.monotonic() - start:.0f} s")
