@@ -41,7 +41,7 @@ def blender_python(version: str) -> Path:
     text = hashlib.sha256("\n".join(wanted).encode()).hexdigest()
     if not stamp.exists() or stamp.read_text() != text:
         say(f"fetching Blender {version} as a Python module (370 MB)")
-        output([sys.executable, "-m", "venv", home])
+        output([sys.executable, "-m", "venv", "--clear", home])
         run(
             [python, "-m", "pip", "install", "-qq", "--disable-pip-version-check", *wanted],
             env=_clean_environment(),
