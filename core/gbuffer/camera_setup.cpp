@@ -239,7 +239,7 @@ private:
         for (const HeaderCamera& reading : readings_) {
             Camera candidate = reading.camera;
             std::string words;
-            if (!reading.has_lens && !complete(candidate, lens, words)) continue;
+            if (!reading.has_lens) complete(candidate, lens, words);
             const double error = testable ? median_reprojection_error(candidate, seen_) : reading.implausible;
             if (!(error < best_error)) continue;
             best = &reading;
@@ -265,7 +265,7 @@ private:
     }
 
     /// A pose needs a lens: the header's own, the positions', the user's, or the usual one.
-    bool complete(Camera& camera, const std::optional<GivenLens>& lens, std::string& words) {
+    void complete(Camera& camera, const std::optional<GivenLens>& lens, std::string& words) {
         if (fitted()) {
             take_lens(camera, fit_->camera);
             words = "; the lens is recovered from the positions";
@@ -280,7 +280,6 @@ private:
             set_lens(camera, impl_.display_window, aspect(), std::tan(kNormalLens * kPi / 360));
             words = format("; no lens is stated, a field of view of %.3g degrees is assumed", kNormalLens);
         }
-        return true;
     }
 
     bool from_positions() {
