@@ -7,12 +7,12 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <cstdlib>
 #include <exception>
 #include <list>
 #include <mutex>
 #include <thread>
 
+#include "../cache_budget.h"
 #include "abortable.h"
 #include "clip_gbuffer.h"
 #include "relight_picture.h"
@@ -142,7 +142,7 @@ void run(const std::shared_ptr<Job>& job, const std::filesystem::path& path, con
         for (auto at = all.jobs.begin(); at != all.jobs.end();) {
             kept += (*at)->bytes;
             // The newest stays whatever its size: its other tiles are about to be asked for.
-            if ((*at)->done && *at != job && kept > frame_budget()) {
+            if ((*at)->done && *at != job && kept > cache_budget()) {
                 kept -= (*at)->bytes;
                 at = all.jobs.erase(at);
             } else {
@@ -192,13 +192,6 @@ std::string gbuffer_file(const Instance& instance, const NodeRig& node) {
     return node.rig.gbuffer_file && !has_normal_clip(instance) ? *node.rig.gbuffer_file : std::string();
 }
 
-std::size_t frame_budget() {
-    constexpr std::size_t kMegabyte = std::size_t{1} << 20;
-    const char* given = std::getenv("RELUME_CACHE_MB");
-    const unsigned long megabytes = given ? std::strtoul(given, nullptr, 10) : 1024;
-    return megabytes * kMegabyte;
-}
-
 std::shared_ptr<const FileGBuffer> understand_file(const std::filesystem::path& path, const GBufferOptions& options,
                                                    bool relight) {
     Understood& all = understood();
@@ -223,7 +216,7 @@ std::shared_ptr<const FileGBuffer> understand_file(const std::filesystem::path& 
         if (rule.channel)
             if (const FileState state = FileState::of(*rule.channel); state.size >= 0) files.push_back(state);
     GBuffer gbuffer = GBuffer::read(path, options);
-    if (keep) gbuffer.keep_pixels(static_cast<std::int64_t>(frame_budget()));
+    if (keep) gbuffer.keep_pixels(static_cast<std::int64_t>(cache_budget()));
     auto file = std::make_shared<const FileGBuffer>(FileGBuffer{std::move(gbuffer), std::move(files)});
     const std::scoped_lock lock(all.mutex);
     // One entry of a file, and one file with its pixels.

@@ -57,8 +57,4 @@ void purge_frames();
 /// The same, and waits for relights that still run.
 void end_frames();
 
-/// Bytes of relit frames that are kept, and as many again of the decoded pixels of one file: 1 GiB, or
-/// RELUME_CACHE_MB.
-std::size_t frame_budget();
-
 }  // namespace relume::ofx

@@ -2,14 +2,13 @@
 #include "oiio/relit_frame.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cstdlib>
 #include <cstring>
 #include <list>
 #include <new>
 
 #include <sys/stat.h>
 
+#include "cache_budget.h"
 #include "relight/output_header.h"
 #include "relight/plan.h"
 #include "relume/error.h"
@@ -42,12 +41,6 @@ std::string key_of(const Rig& rig) {
 }  // namespace
 
 namespace {
-
-std::size_t first_limit() {
-    std::size_t megabytes = 1024;
-    if (const char* text = std::getenv("RELUME_CACHE_MB")) std::from_chars(text, text + std::strlen(text), megabytes);
-    return std::min(megabytes, std::size_t{1} << 30) << 20;
-}
 
 /// The blocks of all frames, the least recently used thrown away first.
 class BlockCache {
@@ -98,7 +91,7 @@ private:
     std::mutex mutex_;
     std::list<std::shared_ptr<const Block>> blocks_;
     std::size_t bytes_ = 0;
-    std::size_t limit_ = first_limit();
+    std::size_t limit_ = cache_budget();
 };
 
 /// The frames that were understood last.
