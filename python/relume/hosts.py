@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 
-__all__ = ["OpenImageIO", "find_openimageio", "oiio_plugin", "oiio_releases"]
+__all__ = ["OpenImageIO", "find_openimageio", "oiio_plugin", "oiio_release_in_use", "oiio_releases"]
 
 _LIBRARY = "libOpenImageIO.so"
 
@@ -29,6 +29,21 @@ def oiio_plugin(release: str) -> Path | None:
 def oiio_releases() -> list[str]:
     """The releases that this package has a plugin for."""
     return sorted(file.parent.name for file in (Path(__file__).parent / "oiio").glob("*/relume.imageio.so"))
+
+
+def oiio_release_in_use() -> str | None:
+    """The release of the oiiotool that a shell would start; without one, of the system's library; None without either.
+
+    Where PyPI's OpenImageIO is installed, PATH may hold its oiiotool (3.2) before the system's (2.4), and each wants a
+    plugin of its own.
+    """
+    tool = shutil.which("oiiotool")
+    if tool:
+        said = subprocess.run([tool, "--version"], capture_output=True, text=True, check=False).stdout
+        version = re.match(r"(\d+\.\d+)\.", said)
+        if version:
+            return version[1]
+    return next((found.release for found in find_openimageio() if found.owner == "the system"), None)
 
 
 @dataclass(frozen=True)

@@ -49,13 +49,18 @@ def shot(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def host(folder: Path, *command: object, **environment: str) -> subprocess.CompletedProcess[str]:
-    """A program of the installed OpenImageIO, with the plugin."""
+#: The programs of Debian's OpenImageIO, and those of PyPI's wheel beside this Python, which PATH may hold first.
+TOOLS = {"2.4": Path("/usr/bin"), "3.2": Path(sys.executable).parent}
+
+
+def host(
+    folder: Path, program: str, *arguments: object, release: str = "2.4", **environment: str
+) -> subprocess.CompletedProcess[str]:
+    """A program of OpenImageIO, with the plugin."""
     variables = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
-    variables |= {"OIIO_LIBRARY_PATH": str(folder_of("2.4"))} | environment
-    return subprocess.run(
-        list(map(str, command)), cwd=folder, env=variables, capture_output=True, text=True, timeout=60, check=False
-    )
+    variables |= {"OIIO_LIBRARY_PATH": str(folder_of(release))} | environment
+    command = [str(TOOLS[release] / program), *map(str, arguments)]
+    return subprocess.run(command, cwd=folder, env=variables, capture_output=True, text=True, timeout=60, check=False)
 
 
 def python(folder: Path, code: str, release: str = "3.2") -> list[object]:
@@ -71,18 +76,21 @@ def python(folder: Path, code: str, release: str = "3.2") -> list[object]:
     return result
 
 
-def test_formats_name_it(shot: Path) -> None:
-    assert "relume : relume" in host(shot, "oiiotool", "--list-formats").stdout
+@pytest.mark.parametrize("release", TOOLS)
+def test_formats_name_it(shot: Path, release: str) -> None:
+    assert host(shot, "oiiotool", "--version", release=release).stdout.startswith(release)
+    assert "relume : relume" in host(shot, "oiiotool", "--list-formats", release=release).stdout
 
 
+@pytest.mark.parametrize("release", TOOLS)
 @pytest.mark.parametrize("kind", ["half", "float"])
-def test_the_tools_see_what_relight_writes(shot: Path, kind: str) -> None:
+def test_the_tools_see_what_relight_writes(shot: Path, kind: str, release: str) -> None:
     """oiiotool's copy has the pixels, windows and metadata of the EXR from the command line."""
     rig = relume.Rig.load(shot / "shot.relume")
     rig.output.type = kind
     rig.save(shot / "shot.relume")
     relume.relight_file(shot / "shot.exr", rig, shot / "cli.exr")
-    copied = host(shot, "oiiotool", "shot.relume", "-o", "oiio.exr")
+    copied = host(shot, "oiiotool", "shot.relume", "-o", "oiio.exr", release=release)
     assert copied.returncode == 0, copied.stderr + copied.stdout
     ours, theirs = relume._relume.ExrFile(shot / "cli.exr"), relume._relume.ExrFile(shot / "oiio.exr")
     assert [part.name for part in theirs.parts] == ["beauty", "diffuse", "light_key"]
@@ -286,7 +294,9 @@ def test_doctor_and_plugins_name_them() -> None:
     for release in ("2.4 of the system", "3.2 of PyPI's OpenImageIO"):
         [line] = [line for line in ran.out.splitlines() if release in line]
         assert line.endswith("loads")
-    assert run_relume("plugins", "oiio").out.strip() == str(folder_of("2.4"))
+    for release, tools in TOOLS.items():  # for the oiiotool that the shell would start
+        path = f"{tools}{os.pathsep}{os.environ['PATH']}"
+        assert run_relume("plugins", "oiio", env=os.environ | {"PATH": path}).out.strip() == str(folder_of(release))
     assert run_relume("plugins", "oiio", "3.0").out.strip() == str(folder_of("3.0"))
     assert "there are: 2.4, 3.0, 3.2" in run_relume("plugins", "oiio", "9.9").err
     # The plugin of another release is told, not passed over as OpenImageIO itself does.

@@ -14,12 +14,13 @@ from relume.cli import EXIT_FAILED, EXIT_OK
 def command(host: str | None, release: str | None) -> int:
     """Print the folder of the plugin for HOST, to be put on that program's search path; without HOST list all.
 
-    OpenImageIO (oiio) needs a plugin of its own RELEASE (2.4, 3.0, …); when it is left out, the installed one's.
+    OpenImageIO (oiio) needs a plugin of its own RELEASE (2.4, 3.0, …); when it is left out, that of the
+    oiiotool on PATH.
 
     \b
         export OIIO_LIBRARY_PATH="$(relume plugins oiio)"
     """
-    from relume.hosts import find_openimageio, oiio_plugin, oiio_releases
+    from relume.hosts import oiio_plugin, oiio_release_in_use, oiio_releases
 
     if host is None:
         for name in oiio_releases():
@@ -28,12 +29,11 @@ def command(host: str | None, release: str | None) -> int:
             click.echo("this installation brings no plugins")
         return EXIT_OK
     if release is None:
-        installed = [found.release for found in find_openimageio() if found.owner == "the system"]
-        if not installed:
+        release = oiio_release_in_use()
+        if release is None:
             raise click.UsageError(
                 "no OpenImageIO is installed here: say for which release, as `relume plugins oiio 3.0`"
             )
-        release = installed[0]
     plugin = oiio_plugin(release)
     if plugin is None:
         there = ", ".join(oiio_releases()) or "none"
