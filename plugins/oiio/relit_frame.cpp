@@ -4,11 +4,9 @@
 #include <algorithm>
 #include <cstring>
 #include <list>
-#include <new>
 
 #include <sys/stat.h>
 
-#include "cache_budget.h"
 #include "relight/output_header.h"
 #include "relight/plan.h"
 #include "relume/error.h"
@@ -38,62 +36,6 @@ std::string key_of(const Rig& rig) {
     return key;
 }
 
-}  // namespace
-
-namespace {
-
-/// The blocks of all frames, the least recently used thrown away first.
-class BlockCache {
-public:
-    static BlockCache& instance() {
-        // Never destroyed: hosts read until their last breath.
-        static auto* const cache = new BlockCache;
-        return *cache;
-    }
-
-    void add(std::shared_ptr<const Block> block) {
-        const std::scoped_lock lock(mutex_);
-        bytes_ += block->bytes;
-        blocks_.push_front(std::move(block));
-        shrink();
-    }
-
-    void touch(const std::shared_ptr<const Block>& block) {
-        const std::scoped_lock lock(mutex_);
-        if (!blocks_.empty() && blocks_.front() == block) return;
-        const auto at = std::find(blocks_.begin(), blocks_.end(), block);
-        if (at != blocks_.end()) blocks_.splice(blocks_.begin(), blocks_, at);
-    }
-
-    std::size_t limit() {
-        const std::scoped_lock lock(mutex_);
-        return limit_;
-    }
-    void set_limit(std::size_t bytes) {
-        const std::scoped_lock lock(mutex_);
-        limit_ = bytes;
-        shrink();
-    }
-    std::size_t bytes() {
-        const std::scoped_lock lock(mutex_);
-        return bytes_;
-    }
-
-private:
-    // A block may be larger than the limit: the one that is in use stays.
-    void shrink() {
-        while (bytes_ > limit_ && blocks_.size() > 1) {
-            bytes_ -= blocks_.back()->bytes;
-            blocks_.pop_back();
-        }
-    }
-
-    std::mutex mutex_;
-    std::list<std::shared_ptr<const Block>> blocks_;
-    std::size_t bytes_ = 0;
-    std::size_t limit_ = cache_budget();
-};
-
 /// The frames that were understood last.
 struct FrameCache {
     std::mutex mutex;
@@ -106,10 +48,6 @@ struct FrameCache {
 };
 
 }  // namespace
-
-std::size_t cache_limit() { return BlockCache::instance().limit(); }
-void set_cache_limit(std::size_t bytes) { BlockCache::instance().set_limit(bytes); }
-std::size_t cached_bytes() { return BlockCache::instance().bytes(); }
 
 std::shared_ptr<RelitFrame> RelitFrame::get(Rig rig) {
     std::string key = key_of(rig);
@@ -148,18 +86,6 @@ std::size_t RelitFrame::strip_bytes() const {
     return components * size_of(type_) * static_cast<std::size_t>(window().width) * kTile;
 }
 
-namespace {
-
-constexpr std::size_t kAlignment = 64;
-
-/// Memory that is written before it is read, first touched by the threads that render into it.
-std::unique_ptr<std::byte, void (*)(std::byte*)> aligned_memory(std::size_t bytes) {
-    auto* const memory = static_cast<std::byte*>(::operator new (bytes, std::align_val_t{kAlignment}));
-    return {memory, [](std::byte* p) { ::operator delete (p, std::align_val_t{kAlignment}); }};
-}
-
-}  // namespace
-
 std::shared_ptr<const Block> RelitFrame::render(int first_strip, int strips) {
     auto block = std::make_shared<Block>();
     block->first_row = first_strip * kTile;
@@ -170,17 +96,19 @@ std::shared_ptr<const Block> RelitFrame::render(int first_strip, int strips) {
     const auto row_bytes = [&](const Picture& picture) {
         return value * static_cast<std::size_t>(picture.components) * static_cast<std::size_t>(window().width);
     };
-    // Each picture starts where the widest vectors like it.
-    for (const Picture& picture : pictures_)
-        block->bytes +=
-            (row_bytes(picture) * static_cast<std::size_t>(block->rows) + kAlignment - 1) / kAlignment * kAlignment;
-    block->memory = aligned_memory(block->bytes);
-    std::byte* at = block->memory.get();
+    const auto picture_bytes = [&](const Picture& picture) {
+        return (row_bytes(picture) * static_cast<std::size_t>(block->rows) + kBlockAlignment - 1) / kBlockAlignment *
+               kBlockAlignment;
+    };
+    std::size_t bytes = 0;
+    for (const Picture& picture : pictures_) bytes += picture_bytes(picture);
+    block->memory = BlockMemory(bytes);
+    std::byte* at = block->memory.data();
     for (std::size_t p = 0; p < pictures_.size(); ++p) {
         const std::size_t pixel = value * static_cast<std::size_t>(pictures_[p].components);
         const std::size_t row = row_bytes(pictures_[p]);
         block->pictures.push_back(at);
-        at += (row * static_cast<std::size_t>(block->rows) + kAlignment - 1) / kAlignment * kAlignment;
+        at += picture_bytes(pictures_[p]);
         for (std::size_t k = 0; k < static_cast<std::size_t>(pictures_[p].components); ++k)
             out[names[p].name].push_back({block->pictures[p] + k * value, type_, static_cast<std::ptrdiff_t>(pixel),
                                           static_cast<std::ptrdiff_t>(row)});
@@ -199,7 +127,7 @@ void RelitFrame::read(int picture, int x, int x_end, int y, int y_end, std::byte
     const int top = y - window().y, bottom = y_end - window().y;
     // As many strips at once as a quarter of the cache holds.
     const int most = static_cast<int>(
-        std::clamp<std::size_t>(cache_limit() / 4 / std::max<std::size_t>(strip_bytes(), 1), 1, 1 << 20));
+        std::clamp<std::size_t>(BlockCache::instance().limit() / 4 / std::max<std::size_t>(strip_bytes(), 1), 1, 1 << 20));
     for (int row = top; row < bottom;) {
         const int strip = row / kTile;
         std::shared_ptr<const Block> block;

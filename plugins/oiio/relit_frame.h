@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "io/exr.h"
+#include "oiio/block_cache.h"
 #include "relume/gbuffer.h"
 #include "relume/relight.h"
 #include "relume/rig.h"
@@ -23,15 +24,6 @@ inline constexpr int kTile = 64;
 struct Picture {
     std::string name;  ///< as the layer or part that `relume relight` writes
     int components = 3;
-};
-
-/// A rendered run of strips, all pictures of it.
-struct Block {
-    int first_row = 0;  ///< from the top of the data window
-    int rows = 0;
-    std::vector<std::byte*> pictures;  ///< components interleaved, rows without gaps; in `memory`
-    std::size_t bytes = 0;
-    std::unique_ptr<std::byte, void (*)(std::byte*)> memory{nullptr, nullptr};
 };
 
 /// One frame's relight, rendered by strips where somebody asks for pixels. Thread-safe: what several threads ask for is
@@ -78,11 +70,5 @@ private:
     std::vector<bool> busy_;                          ///< being rendered by some thread
     std::atomic<std::int64_t> rendered_rows_{0};
 };
-
-/// Bytes of rendered pixels that are kept, over all frames. At first RELUME_CACHE_MB of the environment, else 1024 MiB.
-std::size_t cache_limit();
-void set_cache_limit(std::size_t bytes);
-/// Bytes that are kept now.
-std::size_t cached_bytes();
 
 }  // namespace relume::oiio

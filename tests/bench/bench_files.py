@@ -116,8 +116,8 @@ def build_openexr(version: str, prefix: Path) -> None:
         subprocess.run(["cmake", "--install", build], check=True, stdout=subprocess.DEVNULL)
 
 
-def run_json(command: list[str], what: str) -> dict:
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+def run_json(command: list[str], what: str, **environment: str) -> dict:
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=os.environ | environment)
     if done.returncode != 0:
         sys.exit(f"bench: {what} failed:\n{done.stderr}")
     return json.loads(done.stdout.splitlines()[-1])

@@ -44,7 +44,7 @@ protected:
     }
     void TearDown() override {
         std::filesystem::remove_all(folder_);
-        set_cache_limit(std::size_t{1} << 30);
+        BlockCache::instance().set_limit(std::size_t{1} << 30);
     }
 
     void write(int frame, double time) const {
@@ -141,18 +141,47 @@ TEST_F(RelitFrameTest, AFullCacheCostsTimeAlone) {
     const auto relit = frame();
     const std::vector<std::byte> first = by_tiles(*relit, 0, 1);
     const std::size_t strip = 200 * kTile * 2 * (4 + 3 + 3);
-    set_cache_limit(strip);
-    EXPECT_LE(cached_bytes(), strip);
+    BlockCache::instance().set_limit(strip);
+    EXPECT_LE(BlockCache::instance().bytes(), strip);
     std::vector<std::vector<std::byte>> read(4);
     {
         std::vector<std::jthread> threads;
         for (unsigned k = 0; k < read.size(); ++k) threads.emplace_back([&, k] { read[k] = by_tiles(*relit, 0, k); });
     }
     for (const auto& pixels : read) EXPECT_EQ(pixels, first);
-    EXPECT_LE(cached_bytes(), strip);
+    EXPECT_LE(BlockCache::instance().bytes(), strip);
     EXPECT_GT(relit->rendered_rows(), 150);
-    set_cache_limit(0);
+    BlockCache::instance().set_limit(0);
     EXPECT_EQ(by_tiles(*relit, 0, 7), first);
+}
+
+TEST_F(RelitFrameTest, MemoryIsUsedAgain) {
+    BlockCache& cache = BlockCache::instance();
+    const std::byte* first = nullptr;
+    {
+        const BlockMemory memory(123456);
+        first = memory.data();
+    }
+    EXPECT_GE(cache.spare_bytes(), 123456u);
+    {
+        const BlockMemory memory(123456), another(123456);
+        EXPECT_EQ(memory.data(), first);
+        EXPECT_NE(another.data(), first);
+    }
+    // Frames that follow one another: never more than the limit in all, and nothing of one shows in the next.
+    const std::size_t picture = 200 * 150 * 2 * (4 + 3 + 3), limit = 2 * picture + picture / 2;
+    cache.set_limit(0);
+    cache.set_limit(limit);
+    std::vector<std::vector<std::byte>> read;
+    for (int pass = 0; pass < 2; ++pass)
+        for (const char* setting : {"?light.key.exposure=1", "?light.key.exposure=2", "?light.key.exposure=3"}) {
+            read.push_back(by_tiles(*frame(setting), 0, 1));
+            EXPECT_LE(cache.bytes() + cache.spare_bytes(), limit);
+        }
+    EXPECT_NE(read[0], read[1]);
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(read[k], read[k + 3]);
+    cache.set_limit(0);
+    EXPECT_EQ(cache.spare_bytes(), 0u);
 }
 
 TEST_F(RelitFrameTest, WhatChangedIsAnotherFrame) {
