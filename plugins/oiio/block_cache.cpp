@@ -68,12 +68,12 @@ std::byte* BlockCache::take(std::size_t bytes) {
         trim_spare(bytes);
     }
     constexpr std::align_val_t alignment{kBlockAlignment};
-    if (void* const data = ::operator new (bytes, alignment, std::nothrow)) return static_cast<std::byte*>(data);
+    if (void* const data = ::operator new(bytes, alignment, std::nothrow)) return static_cast<std::byte*>(data);
     {
         const std::scoped_lock lock(mutex_);
         trim_spare(limit_);
     }
-    return static_cast<std::byte*>(::operator new (bytes, alignment));
+    return static_cast<std::byte*>(::operator new(bytes, alignment));
 }
 
 void BlockCache::give(std::byte* data, std::size_t bytes) {

@@ -126,8 +126,8 @@ void RelitFrame::read(int picture, int x, int x_end, int y, int y_end, std::byte
         size_of(type_) * static_cast<std::size_t>(pictures_[static_cast<std::size_t>(picture)].components);
     const int top = y - window().y, bottom = y_end - window().y;
     // As many strips at once as a quarter of the cache holds.
-    const int most = static_cast<int>(
-        std::clamp<std::size_t>(BlockCache::instance().limit() / 4 / std::max<std::size_t>(strip_bytes(), 1), 1, 1 << 20));
+    const int most = static_cast<int>(std::clamp<std::size_t>(
+        BlockCache::instance().limit() / 4 / std::max<std::size_t>(strip_bytes(), 1), 1, 1 << 20));
     for (int row = top; row < bottom;) {
         const int strip = row / kTile;
         std::shared_ptr<const Block> block;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A host that reads a rig by OpenImageIO, each time with another exposure, so that nothing is there already: from opening
-// it to float pixels in memory that the host has had before. Compiled by bench_doors.py for the installed OpenImageIO.
+// A host that reads a rig by OpenImageIO, each time with another exposure, so that nothing is there already: from
+// opening it to float pixels in memory that the host has had before. Compiled by bench_doors.py for the installed
+// OpenImageIO.
 //
 // oiio_door RIG LIGHT REPEATS: prints a JSON line of the best wall seconds.
 
