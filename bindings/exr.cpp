@@ -6,11 +6,10 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
-#include <atomic>
-#include <thread>
 
 #include "bindings.h"
 #include "relume/error.h"
+#include "threads/workers.h"
 
 namespace relume::python {
 
@@ -80,30 +79,14 @@ template <class T> py::array_t<T> read(const ExrReader& reader, int part_index, 
         targets.push_back(
             {part_index, channel_index(reader, part, names[k]), {data + 4 * k, type, x_stride, y_stride}});
 
-    // A band of chunks at a time for each thread.
+    // A band of chunks at a time.
     const int step = std::max(part.rows_per_chunk, 1);
-    std::atomic<int> next{0};
-    std::exception_ptr failure;
-    std::atomic<bool> failed{false};
-    const auto work = [&] {
-        try {
-            for (int row = next.fetch_add(step); row < window.height && !failed; row = next.fetch_add(step)) {
-                auto band = targets;
-                for (auto& target : band) target.plane.data += row * y_stride;
-                reader.read({window.x, window.y + row, window.width, std::min(step, window.height - row)}, band);
-            }
-        } catch (...) {
-            if (!failed.exchange(true)) failure = std::current_exception();
-        }
-    };
-    {
-        std::vector<std::jthread> threads;
-        const int chunks = (window.height + step - 1) / step;
-        for (int k = 1; k < std::min(static_cast<int>(std::thread::hardware_concurrency()), chunks); ++k)
-            threads.emplace_back(work);
-        work();
-    }
-    if (failure) std::rethrow_exception(failure);
+    parallel_for((window.height + step - 1) / step, default_threads(), nullptr, [&](int, int index) {
+        const int row = index * step;
+        auto band = targets;
+        for (auto& target : band) target.plane.data += row * y_stride;
+        reader.read({window.x, window.y + row, window.width, std::min(step, window.height - row)}, band);
+    });
     return result;
 }
 

@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "cryptomatte/cryptomatte.h"
-#include "scenes/parallel.h"
+#include "threads/workers.h"
 
 namespace relume::scene {
 namespace {
@@ -64,7 +64,7 @@ public:
     }
 
     SceneImage run() && {
-        in_parallel(options_.height, options_.threads, [this](int j) {
+        parallel_for(options_.height, options_.threads, nullptr, [this](int, int j) {
             for (int i = 0; i < options_.width; ++i) render_pixel(i, j);
         });
         std::sort(image_.channels.begin(), image_.channels.end(),

@@ -5,15 +5,14 @@
 #include <array>
 #include <cmath>
 #include <memory>
-#include <thread>
 
 #include "io/exr.h"
 #include "relume/error.h"
 #include "relume/version.h"
 #include "scenes/cornell_scene.h"
-#include "scenes/parallel.h"
 #include "scenes/renderer.h"
 #include "scenes/sdf_scene.h"
+#include "threads/workers.h"
 
 namespace relume {
 namespace {
@@ -40,7 +39,7 @@ SceneOptions complete(const SceneInfo& scene, SceneOptions options) {
     if (options.height == 0) options.height = scene.height;
     if (options.samples == 0) options.samples = scene.samples;
     if (options.paths == -1) options.paths = 4;
-    if (options.threads == 0) options.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    if (options.threads == 0) options.threads = default_threads();
     require_range("width", options.width, 1, 32768);
     require_range("height", options.height, 1, 32768);
     require_range("samples", options.samples, 1, 65536);
@@ -86,16 +85,16 @@ void write_scene(std::string_view name, const std::filesystem::path& path, const
     io::ExrWriter writer(path, io::Header{{part}});
     const int band = writer.rows_per_chunk();
     const std::ptrdiff_t row_bytes = std::ptrdiff_t{4} * image.window.width;
-    scene::in_parallel((image.window.height + band - 1) / band, complete(require_scene(name), options).threads,
-                       [&](int chunk) {
-                           const int y = chunk * band;
-                           std::vector<ConstPlane> planes;
-                           for (const SceneChannel& channel : image.channels) {
-                               const auto* top = reinterpret_cast<const std::byte*>(channel.pixels.data());
-                               planes.push_back({top + y * row_bytes, PixelType::float32, 4, row_bytes});
-                           }
-                           writer.write(0, y, std::min(band, image.window.height - y), planes);
-                       });
+    parallel_for((image.window.height + band - 1) / band, complete(require_scene(name), options).threads, nullptr,
+                 [&](int, int chunk) {
+                     const int y = chunk * band;
+                     std::vector<ConstPlane> planes;
+                     for (const SceneChannel& channel : image.channels) {
+                         const auto* top = reinterpret_cast<const std::byte*>(channel.pixels.data());
+                         planes.push_back({top + y * row_bytes, PixelType::float32, 4, row_bytes});
+                     }
+                     writer.write(0, y, std::min(band, image.window.height - y), planes);
+                 });
     writer.commit();
 }
 
