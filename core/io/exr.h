@@ -106,7 +106,8 @@ public:
 
     /// Decodes the chunks that cover `region` (absolute pixel coordinates) and converts the named channels alone.
     /// Pixels outside a part's data window become 0. Subsampled channels are replicated. Tiled parts give level (0, 0).
-    /// Full rows aligned to rows_per_chunk are the fast case. Throws Error(format) naming file, part and chunk.
+    /// Full rows aligned to rows_per_chunk are the fast case. Throws Error(format) naming file, part and chunk,
+    /// Error(file) when somebody has written into the file since it was opened.
     void read(const Window& region, std::span<const ReadTarget> targets) const;
 
     /// Whether every chunk of every part is in the file, without decoding any: false for what a killed writer left.

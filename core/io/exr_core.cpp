@@ -30,9 +30,18 @@ std::int64_t stream_read(exr_const_context_t, void* user, void* buffer, std::uin
     return static_cast<const InputFile*>(user)->read(buffer, count, offset);
 }
 
+std::int64_t nanoseconds(const timespec& time) {
+    return std::int64_t{time.tv_sec} * 1'000'000'000 + std::int64_t{time.tv_nsec};
+}
+
 std::int64_t stream_size(exr_const_context_t, void* user) { return static_cast<const InputFile*>(user)->size(); }
 
 }  // namespace
+
+bool InputFile::changed() const {
+    struct stat status {};
+    return ::fstat(descriptor_, &status) == 0 && (status.st_size != size_ || nanoseconds(status.st_mtim) != written_);
+}
 
 InputFile::InputFile(const std::filesystem::path& path) {
     const std::string name = path.string();
@@ -46,6 +55,7 @@ InputFile::InputFile(const std::filesystem::path& path) {
         throw Error(ErrorKind::file, name + (S_ISDIR(status.st_mode) ? ": is a folder" : ": is not a regular file"));
     }
     size_ = status.st_size;
+    written_ = nanoseconds(status.st_mtim);
 }
 
 InputFile::~InputFile() { ::close(descriptor_); }

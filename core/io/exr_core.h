@@ -26,6 +26,9 @@ public:
     std::int64_t size() const { return size_; }
     /// Bytes read, fewer than `count` at the end of the file, -1 on an I/O error.
     std::int64_t read(void* buffer, std::uint64_t count, std::uint64_t offset) const;
+    /// Whether somebody has written into it since it was opened. A file that was replaced by another under its name has
+    /// not changed: this one is still there for who has it open.
+    bool changed() const;
     /// errno of the last I/O error, 0 when there was none: tells a failing disk from a damaged file.
     int error() const { return error_; }
 
@@ -33,6 +36,7 @@ private:
     mutable std::atomic<int> error_{0};
     int descriptor_ = -1;
     std::int64_t size_ = 0;
+    std::int64_t written_ = 0;  ///< time of the last change, ns
 };
 
 /// Owns an OpenEXRCore context.

@@ -229,6 +229,13 @@ struct ExrReader::Impl {
         return true;
     }
 
+    /// What was read before a change is one frame; what is read after it may be half of another.
+    void check_unchanged() const {
+        if (file.changed())
+            throw Error(ErrorKind::file,
+                        path.string() + ": changed on disk while it was open; open it again when it is written");
+    }
+
     std::filesystem::path path;
     InputFile file;
     CoreContext context;
@@ -264,12 +271,18 @@ void ExrReader::read(const Window& region, std::span<const ReadTarget> targets) 
     std::vector<ReadTarget> by_part(targets.begin(), targets.end());
     std::stable_sort(by_part.begin(), by_part.end(),
                      [](const ReadTarget& a, const ReadTarget& b) { return a.part < b.part; });
-    for (auto begin = by_part.begin(); begin != by_part.end();) {
-        const auto end =
-            std::find_if(begin, by_part.end(), [&](const ReadTarget& target) { return target.part != begin->part; });
-        impl_->read_part(begin->part, region, {begin, end});
-        begin = end;
+    try {
+        for (auto begin = by_part.begin(); begin != by_part.end();) {
+            const auto end = std::find_if(begin, by_part.end(),
+                                          [&](const ReadTarget& target) { return target.part != begin->part; });
+            impl_->read_part(begin->part, region, {begin, end});
+            begin = end;
+        }
+    } catch (const Error&) {
+        impl_->check_unchanged();
+        throw;
     }
+    impl_->check_unchanged();
 }
 
 }  // namespace relume::io

@@ -170,6 +170,36 @@ TEST(ExrDamage, OneBadChunkIsNamed) {
     EXPECT_NE(message.find("bad.exr: damaged at rows "), std::string::npos) << message;
 }
 
+TEST(ExrDamage, WrittenIntoWhileOpen) {
+    const TemporaryFolder folder;
+    const auto path = folder / "open.exr";
+    const std::vector<char> bytes = file_bytes(kFolder / "multipart.exr");
+    write_bytes(path, bytes);
+    const ExrReader reader(path);
+    const Window window = reader.header().parts[0].data_window;
+    const auto whole = [&] { return read_planes(reader, 0, window, PixelType::float32); };
+    EXPECT_NO_THROW(whole());
+    // Another file in its place: the open one is still what it was.
+    write_bytes(folder / "other.exr", std::vector<char>(bytes.begin(), bytes.begin() + std::ssize(bytes) / 2));
+    std::filesystem::rename(path, folder / "moved.exr");
+    std::filesystem::rename(folder / "other.exr", path);
+    EXPECT_NO_THROW(whole());
+    const auto told = [&] {
+        try {
+            whole();
+        } catch (const Error& error) {
+            return error.kind() == ErrorKind::file ? std::string(error.what()) : "another kind";
+        }
+        return std::string();
+    };
+    // The same bytes at a later time, and a file that is cut while its chunks are still to be read.
+    const auto open_one = folder / "moved.exr";
+    std::filesystem::last_write_time(open_one, std::filesystem::last_write_time(open_one) + std::chrono::seconds(1));
+    EXPECT_NE(told().find("open.exr: changed on disk"), std::string::npos) << told();
+    std::filesystem::resize_file(open_one, bytes.size() / 2);
+    EXPECT_NE(told().find("open.exr: changed on disk"), std::string::npos) << told();
+}
+
 TEST(ExrDamage, NotAnExr) {
     const TemporaryFolder folder;
     std::string message;
