@@ -177,6 +177,8 @@ void bind_gbuffer(py::module_& module) {
         .def_property_readonly("camera_error", &GBuffer::camera_error)
         .def_property_readonly("notes", &GBuffer::notes)
         .def_property_readonly("cryptomatte", &GBuffer::cryptomatte)
+        .def("keep_channels", &GBuffer::keep_channels, py::arg("bytes"),
+             "Keep what relights ask for, up to so many bytes.")
         .def("load", &load, py::arg("requests"), py::arg("out"), py::arg("threads"),
              "Channels in canonical form, in one pass over the file, into arrays of (H, W, C).");
 

@@ -23,7 +23,8 @@ RelightOptions options_of(int threads, Task& task) {
 }
 
 RelightReport relight_arrays(const GBuffer& gbuffer, const Rig& rig, const std::map<std::string, py::array>& out,
-                             int threads, const py::object& progress) {
+                             int threads, const py::object& progress, int step) {
+    if (step < 1) throw Error(ErrorKind::value, "step is " + std::to_string(step) + "; give 1 (every pixel) or more");
     std::map<std::string, std::vector<Plane>> planes;
     for (const auto& [name, array] : out) {
         const std::string what = "out[\"" + name + "\"]";
@@ -32,16 +33,22 @@ RelightReport relight_arrays(const GBuffer& gbuffer, const Rig& rig, const std::
                         what + ": results are float32 or float16, not " + py::str(array.dtype()).cast<std::string>());
         ArrayPlanes view = planes_for_writing(array, what);
         const Window& window = gbuffer.data_window();
-        if (view.height != window.height || view.width != window.width)
+        const int height = (window.height + step - 1) / step, width = (window.width + step - 1) / step;
+        if (view.height != height || view.width != width)
             throw Error(ErrorKind::value, what + " is " + std::to_string(view.height) + " × " +
-                                              std::to_string(view.width) + " (height × width); the G-buffer is " +
-                                              std::to_string(window.height) + " × " + std::to_string(window.width));
+                                              std::to_string(view.width) + " (height × width); the picture is " +
+                                              std::to_string(height) + " × " + std::to_string(width));
         planes.emplace(name, std::move(view.planes));
     }
     const Rig copy = rig;  // Python may change the original meanwhile, in another thread
     RelightReport report;
-    run_in_background([&](Task& task) { report = relight(gbuffer, copy, planes, options_of(threads, task)); },
-                      progress);
+    run_in_background(
+        [&](Task& task) {
+            RelightOptions options = options_of(threads, task);
+            options.step = step;
+            report = relight(gbuffer, copy, planes, options);
+        },
+        progress);
     return report;
 }
 
@@ -70,7 +77,7 @@ void bind_relight(py::module_& module) {
             return "<Report: " + std::to_string(r.shaded) + " of " + std::to_string(r.pixels) + " pixels shaded>";
         });
     module.def("relight", &relight_arrays, py::arg("gbuffer"), py::arg("rig"), py::arg("out"), py::arg("threads"),
-               py::arg("progress"), "Into the arrays of `out`, by AOV name.");
+               py::arg("progress"), py::arg("step") = 1, "Into the arrays of `out`, by AOV name.");
     module.def("relight_file", &relight_file, py::arg("gbuffer"), py::arg("rig"), py::arg("path"), py::arg("threads"),
                py::arg("progress"), "Into an EXR.");
 }

@@ -70,7 +70,7 @@ BandReader::Scratch::Scratch(Scratch&&) noexcept = default;
 
 struct BandReader::Impl {
     Impl(const GBuffer& buffer, std::span<const ChannelRequest> requests)
-        : source(buffer.impl()), plan(source, requests) {
+        : source(buffer.impl()), plan(source, sort(requests)) {
         for (std::size_t k = 0; k < plan.raws.size(); ++k) every_raw.push_back(static_cast<int>(k));
         // Geometry of row 0; rows differ by a constant.
         const Camera& camera = source.view_camera;
@@ -85,6 +85,28 @@ struct BandReader::Impl {
             geometry.column_ray[i] = x * camera.x_scale;
             geometry.next_row[i] = y * camera.y_scale;
         }
+    }
+
+    /// Where a request's planes come from: out of what is kept, else out of the plan, and then into what is kept.
+    struct Answer {
+        std::shared_ptr<gbuffer::KeptChannel> kept;  ///< may be null
+        bool whole = false;
+        std::size_t components = 1;
+    };
+
+    /// The requests that the plan must answer.
+    std::vector<ChannelRequest> sort(std::span<const ChannelRequest> requests) {
+        std::vector<ChannelRequest> planned;
+        for (const ChannelRequest& request : requests) {
+            Answer answer;
+            if (source.kept) answer.kept = source.kept->of(request, source.data_window);
+            answer.whole = answer.kept && answer.kept->whole();
+            answer.components = static_cast<std::size_t>(request.components);
+            if (!answer.whole) planned.push_back(request);
+            outputs += answer.components;
+            answers.push_back(std::move(answer));
+        }
+        return planned;
     }
 
     /// Reads `rows` rows from `y` on of some raw registers into `data`, and notes where they stand.
@@ -134,6 +156,8 @@ struct BandReader::Impl {
     };
 
     const GBuffer::Impl& source;
+    std::vector<Answer> answers;
+    std::size_t outputs = 0;
     gbuffer::BandPlan plan;
     std::vector<int> every_raw;  ///< 0, 1, 2, …
     gbuffer::RunGeometry geometry;
@@ -183,7 +207,7 @@ std::span<const float* const> BandReader::segment(int y, int x, int count, Scrat
         float* run = s.run.reserve(s.run_stride * plan.registers);
         s.registers.resize(plan.registers);
         s.results.resize(plan.registers);
-        s.outputs.resize(plan.outputs.size());
+        s.outputs.resize(impl_->outputs);
         for (std::size_t r = 0; r < plan.registers; ++r) {
             s.results[r] = run + r * s.run_stride;
             s.registers[r] = s.results[r];
@@ -219,8 +243,16 @@ std::span<const float* const> BandReader::segment(int y, int x, int count, Scrat
             gbuffer::run(step, s.registers.data(), s.results.data(), count, x, geometry, rows);
         }
     }
-    for (std::size_t i = 0; i < plan.outputs.size(); ++i) {
-        s.outputs[i] = s.registers[static_cast<std::size_t>(plan.outputs[i])];
+    std::size_t i = 0, planned = 0;
+    for (const Impl::Answer& answer : impl_->answers) {
+        for (std::size_t k = 0; k < answer.components; ++k)
+            s.outputs[i + k] = answer.whole ? answer.kept->run(static_cast<int>(k), y, x, count)
+                                            : s.registers[static_cast<std::size_t>(plan.outputs[planned + k])];
+        if (!answer.whole) {
+            if (answer.kept) answer.kept->store(y, x, count, std::span(s.outputs).subspan(i, answer.components));
+            planned += answer.components;
+        }
+        i += answer.components;
     }
     return s.outputs;
 }

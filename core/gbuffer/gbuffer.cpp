@@ -64,6 +64,11 @@ void GBuffer::keep_pixels(std::int64_t bytes) {
         file.pixels = std::make_shared<gbuffer::KeptPixels>(file.pixels, impl_->data_window, free);
 }
 
+void GBuffer::keep_channels(std::int64_t bytes) {
+    // Arrays are the caller's, who may change them.
+    if (!impl_->in_memory()) impl_->kept = std::make_shared<gbuffer::KeptChannels>(bytes);
+}
+
 const Window& GBuffer::data_window() const { return impl_->data_window; }
 const Window& GBuffer::display_window() const { return impl_->display_window; }
 float GBuffer::pixel_aspect() const { return impl_->pixel_aspect; }

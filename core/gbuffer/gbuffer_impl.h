@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "gbuffer/channel_rules.h"
+#include "gbuffer/kept_channels.h"
 #include "gbuffer/layers.h"
 #include "io/exr.h"
 #include "relume/gbuffer.h"
@@ -130,6 +131,8 @@ struct GBuffer::Impl {
     std::array<double, 12> to_world{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
     std::vector<std::string> notes;
+
+    std::shared_ptr<gbuffer::KeptChannels> kept;  ///< of files, where channels are kept
 
     bool in_memory() const { return files.empty(); }
     /// By its semantic name, else by the name of its layer, in any spelling.

@@ -30,7 +30,9 @@ struct Worker {
     explicit Worker(const Plan& plan) : pass(plan) {}
     ShadePass pass;
     BandReader::Scratch scratch;
-    std::vector<float> rows;  // output planes of a band, for files
+    std::vector<float> rows;    // output planes of a band, for files
+    std::vector<float> sparse;  // channels of a tile, where not every pixel is wanted
+    std::vector<const float*> sparse_planes;
     std::vector<ConstPlane> channels;
 };
 
@@ -51,6 +53,8 @@ public:
         const Window& data = gbuffer.data_window();
         if (!contains(data, window)) throw Error(ErrorKind::value, "the region leaves the data window of the G-buffer");
         top_ = data.y;
+        if (options.step < 1)
+            throw Error(ErrorKind::value, "step must be 1 (every pixel) or more, not " + std::to_string(options.step));
     }
 
     /// `rows_per_band` a multiple of what reader and writer like. `target_of(worker, y, rows)` gives the AOVs' targets,
@@ -80,7 +84,7 @@ public:
             report.background += worker->pass.background;
             for (const auto& [name, count] : worker->pass.nonfinite) report.nonfinite[name] += count;
         }
-        report.pixels = static_cast<std::int64_t>(window.width) * window.height;
+        report.pixels = static_cast<std::int64_t>(wanted(window.width)) * wanted(window.height);
         for (const auto& [name, count] : report.nonfinite)
             if (count > 0 && count >= report.shaded && !options_.region) refuse_blank(name, count);
         report.warnings = plan.warnings;
@@ -103,19 +107,42 @@ private:
                                            "again");
     }
 
+    /// How many of so many pixels are shaded.
+    int wanted(int pixels) const { return pixels / options_.step + (pixels % options_.step != 0); }
+
+    /// Every step-th pixel of a run, from the first on.
+    std::span<const float* const> thinned(std::span<const float* const> planes, int count, Worker& worker) const {
+        worker.sparse.resize(planes.size() * kTilePixels);
+        worker.sparse_planes.resize(planes.size());
+        for (std::size_t p = 0; p < planes.size(); ++p) {
+            float* to = worker.sparse.data() + p * kTilePixels;
+            const float* from = planes[p];
+            if (options_.step == 2)  // in registers' widths
+                for (int i = 0; i < (count + 1) / 2; ++i) to[i] = from[2 * i];
+            else
+                for (int i = 0; i < wanted(count); ++i) to[i] = from[i * options_.step];
+            worker.sparse_planes[p] = to;
+        }
+        return worker.sparse_planes;
+    }
+
     void shade_rows(Worker& worker, int y, int rows, const std::vector<Target>& targets, bool stream) {
+        const int step = options_.step;
         std::vector<Target> at = targets;
-        for (int row = 0; row < rows; ++row) {
+        int out = 0;  // row of the targets
+        for (int row = (step - (y - window.y) % step) % step; row < rows; row += step, ++out) {
             if (options_.cancel != nullptr && options_.cancel->load(std::memory_order_relaxed))
                 throw Error(ErrorKind::cancelled, "cancelled");
-            for (int x = 0; x < window.width; x += kTilePixels) {
-                const int count = std::min(kTilePixels, window.width - x);
-                const auto planes = reader.segment(y + row, window.x + x, count, worker.scratch);
+            const int run = std::max(kTilePixels / step, 1) * step;
+            for (int x = 0; x < window.width; x += run) {
+                const int count = std::min(run, window.width - x);
+                auto planes = reader.segment(y + row, window.x + x, count, worker.scratch);
+                if (step > 1) planes = thinned(planes, count, worker);
                 for (std::size_t a = 0; a < targets.size(); ++a)
                     for (std::size_t k = 0; k < targets[a].planes.size(); ++k)
-                        at[a].planes[k].data = targets[a].planes[k].data + row * targets[a].planes[k].y_stride +
-                                               x * targets[a].planes[k].x_stride;
-                worker.pass.shade(planes, count, at, stream);
+                        at[a].planes[k].data = targets[a].planes[k].data + out * targets[a].planes[k].y_stride +
+                                               x / step * targets[a].planes[k].x_stride;
+                worker.pass.shade(planes, wanted(count), at, stream);
             }
         }
     }
@@ -164,7 +191,8 @@ RelightReport relight(const GBuffer& gbuffer, const Rig& rig, const std::map<std
         [&](Worker&, int y, int) {
             std::vector<Target> targets = whole;
             for (Target& target : targets)
-                for (Plane& plane : target.planes) plane.data += (y - frame.window.y) * plane.y_stride;
+                for (Plane& plane : target.planes)
+                    plane.data += (y - frame.window.y + options.step - 1) / options.step * plane.y_stride;
             return targets;
         },
         [](Worker&, int, int) {}, bytes > kStreamBytes);
@@ -173,7 +201,8 @@ RelightReport relight(const GBuffer& gbuffer, const Rig& rig, const std::map<std
 
 RelightReport relight_to_file(const GBuffer& gbuffer, const Rig& rig, const std::filesystem::path& path,
                               const RelightOptions& options) {
-    if (options.region) throw Error(ErrorKind::value, "relight_to_file() writes the whole data window, no region");
+    if (options.region || options.step != 1)
+        throw Error(ErrorKind::value, "relight_to_file() writes the whole data window, no region and no proxy");
     Frame frame(gbuffer, rig, options);
     const OutputLayout layout = output_layout(gbuffer, rig, frame.plan);
     io::ExrWriter writer(path, layout.header, layout.options);

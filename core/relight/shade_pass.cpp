@@ -41,7 +41,7 @@ ShadePass::ShadePass(const Plan& plan)
       masks_(plan.masks.size()),
       gathered_mask_pointers_(plan.masks.size()) {
     if (plan.rules.size() > 1) {
-        indices_.resize(kTilePixels);
+        runs_.reserve(kTilePixels / 2);
         gathered_planes_.resize(static_cast<std::size_t>(plan.plane_count));
         gathered_masks_.resize(plan.masks.size());
         gathered_outputs_.resize(12);
@@ -167,11 +167,17 @@ void ShadePass::run(const ShaderBinding& binding, const LightGroup& group, std::
 void ShadePass::run_gathered(const ShaderBinding& binding, const LightGroup& group,
                              std::span<const float* const> planes, int count, const float* weight, bool emission,
                              const Rgb& total) {
+    // Pixels of a material lie side by side, mostly: they are moved by runs.
     int used = 0;
-    for (int i = 0; i < count; ++i)
-        if (weight[i] > 0.f) indices_[static_cast<std::size_t>(used++)] = i;
+    runs_.clear();
+    for (int i = 0; i < count; ++i) {
+        if (!(weight[i] > 0.f)) continue;
+        if (runs_.empty() || runs_.back().first + runs_.back().count != i) runs_.push_back({i, 0});
+        ++runs_.back().count;
+        ++used;
+    }
     const auto gather = [&](const float* from, float* to) {
-        for (int k = 0; k < used; ++k) to[k] = from[indices_[static_cast<std::size_t>(k)]];
+        for (const Run& run : runs_) to = std::copy_n(from + run.first, run.count, to);
     };
     for (std::size_t p = 0; p < planes.size(); ++p) {
         gather(planes[p], gathered_planes_[p].get());
@@ -197,7 +203,8 @@ void ShadePass::run_gathered(const ShaderBinding& binding, const LightGroup& gro
     masks_ = masks;
 
     const auto scatter = [&](const float* from, float* to) {
-        for (int k = 0; k < used; ++k) to[indices_[static_cast<std::size_t>(k)]] += from[k];
+        for (const Run& run : runs_)
+            for (int i = run.first; i < run.first + run.count; ++i) to[i] += *from++;
     };
     for (std::size_t k = 0; k < 3; ++k) scatter(out[k], total[k]);
     for (int k = 0; k < 9; ++k)

@@ -63,7 +63,10 @@ private:
     std::vector<DirectLight> direct_;
     std::vector<AmbientLight> ambient_;
     // Pixels of one shader, gathered.
-    std::vector<int> indices_;
+    struct Run {
+        int first, count;
+    };
+    std::vector<Run> runs_;
     std::vector<Planar> gathered_planes_, gathered_masks_, gathered_outputs_;
     std::vector<const float*> gathered_pointers_;
     std::vector<const float*> gathered_mask_pointers_;

@@ -1,10 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A render's passes in memory, as arrays: a light that moves costs shading and nothing else."""
+"""A render whose passes are read once: a light that moves costs shading and nothing else.
+
+The frame is the file's own G-buffer and the rig is the scene's, as the command line would have them, so that it gives
+the same bits.
+"""
 
 from __future__ import annotations
 
+import shutil
 import tempfile
-from dataclasses import dataclass
+import weakref
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,19 +18,13 @@ import numpy as np
 import relume
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from .lights import RigLight
-    from .linking import Linking
-
-#: Channels that every relight reads where there are such.
-_ALWAYS = ("normal", "beauty", "alpha", "coverage", "position", "depth", "tangent", "ambient_occlusion", "emission")
-
-#: What only the first of several passes over a frame may add.
-_ONCE = ("beauty", "emission")
 
 #: A light that adds nothing, so that a frame without lights still shows what glows and what stands behind.
 _DARK = "no light"
+
+#: Bytes that a frame may take: what a rig asks for and no more, however large the frame is.
+_ALL = 1 << 62
 
 
 class NoFrameError(Exception):
@@ -36,7 +35,7 @@ def save_render_result(scene: bpy.types.Scene, folder: Path) -> Path:
     """The render that was just made, every pass, as a 32-bit EXR.
 
     Raises:
-        NoFrameError: nothing has been rendered.
+        NoFrameError: nothing has been rendered, or there is no room for it.
     """
     path = folder / "render.exr"
     settings = scene.render.image_settings
@@ -47,59 +46,39 @@ def save_render_result(scene: bpy.types.Scene, folder: Path) -> Path:
             settings.media_type = "MULTI_LAYER_IMAGE"
         settings.file_format, settings.color_depth, settings.exr_codec = "OPEN_EXR_MULTILAYER", "32", "NONE"
         bpy.data.images["Render Result"].save_render(str(path), scene=scene)
-    except (KeyError, RuntimeError) as error:
+    except KeyError as error:
         raise NoFrameError("no render yet: render the frame (F12), or choose an EXR on disk") from error
+    except RuntimeError as error:
+        advice = f"render the frame (F12), free space in {folder.parent}, or choose an EXR on disk"
+        raise NoFrameError(f"the render cannot be taken ({str(error).strip()}): {advice}") from error
     finally:
         for name, value in before.items():
             setattr(settings, name, value)
+    if not path.exists() or not relume.ExrFile(path).is_whole():  # Blender says nothing of it
+        raise NoFrameError(f"the render could not be kept in {folder.parent}: free space there, or set TMPDIR")
     return path
 
 
-@dataclass
-class _Scale:
-    """The frame, or every second pixel of it: views of the same arrays."""
-
-    frame: relume.GBuffer
-    #: Without what only one of several passes may add.
-    further: relume.GBuffer
-    #: Top row first.
-    pixels: np.ndarray[Any, Any]
-
-
 class LoadedFrame:
-    """A frame in memory: the channels that a rig reads, and mattes as lights ask for them."""
+    """A frame, what relights have asked of it, and the picture.
+
+    Attributes:
+        rig: everything but the scene's lights.
+        pixels: (H, W, 4), bottom row first, as Blender has its images.
+    """
 
     def __init__(self, file: relume.GBuffer, rig: relume.Rig) -> None:
-        self._file = file
-        self._mattes: dict[tuple[str, ...], np.ndarray[Any, Any]] = {}
+        self.rig = rig
         self.notes = [*file.notes]
-        present = {info.name for info in file.channels}
-        wanted = dict.fromkeys(name for name in _ALWAYS if name in present)
-        for use in rig.shader:
-            wanted |= dict.fromkeys(row.name for row in use.parameters if row.name in present)
-        arrays = file.load(*wanted)
-        spread = "normal_variance" in present
-        self._options: dict[str, Any] = {"working_space": file.working_space}
-        self._options["normal_variance"] = "on" if spread else "off"
-        if spread:
-            arrays["normal"] = _stored_normal(file)
-            if "coverage" in arrays:
-                # As a renderer leaves it: what is divided by coverage already counts as no mean.
-                arrays["normal"] *= arrays["coverage"][..., None]
-                self._options["channels"] = {"normal": {"premultiplied": True}}
-        self._rig = self._of_arrays(rig, arrays)
-        _fold_constants(self._rig, arrays)
-        self._arrays = arrays
-        if "position" not in arrays:
-            self._options["camera"] = file.camera
-        self._scales: dict[int, _Scale] = {}
+        self._file = file
+        file.keep_channels(_ALL)
         height, width = file.shape
-        #: Bottom row first, as Blender has its images.
         self.pixels = np.zeros((height, width, 4), np.float32)
+        self._proxies: dict[int, np.ndarray[Any, Any]] = {}
 
     @classmethod
     def read(cls, path: Path, rig: relume.Rig, frame: int | None = None) -> LoadedFrame:
-        """Load a multilayer EXR.
+        """Understand a multilayer EXR.
 
         Raises:
             relume.Error: there is none, or it has no normals.
@@ -108,14 +87,20 @@ class LoadedFrame:
 
     @classmethod
     def rendered(cls, scene: bpy.types.Scene, rig: relume.Rig) -> LoadedFrame:
-        """Load the render that was just made.
+        """Take the render that was just made; a temporary file holds it as long as the frame is there.
 
         Raises:
             NoFrameError: there is none.
             relume.Error: it has no normals.
         """
-        with tempfile.TemporaryDirectory(prefix="relume-") as folder:
-            return cls.read(save_render_result(scene, Path(folder)), rig)
+        folder = Path(tempfile.mkdtemp(prefix="relume-"))
+        try:
+            frame = cls.read(save_render_result(scene, folder), rig)
+        except BaseException:
+            shutil.rmtree(folder, ignore_errors=True)
+            raise
+        weakref.finalize(frame, shutil.rmtree, folder, ignore_errors=True)
+        return frame
 
     @property
     def size(self) -> tuple[int, int]:
@@ -123,142 +108,57 @@ class LoadedFrame:
         height, width = self.pixels.shape[:2]
         return width, height
 
-    def _of_arrays(self, rig: relume.Rig, arrays: dict[str, Any]) -> relume.Rig:
-        """The rig as arrays need it: what a file's header and Cryptomatte say is said outright."""
-        result = rig.copy()
-        ids: np.ndarray[Any, Any] | None = None
-        for place, use in enumerate(result.shader, start=1):
-            rows = {row.name for row in use.parameters}
-            if "generation" in rows and use.generation == "auto":
-                use.generation = "3" if _blender_version(self._file.producer) < (4, 0) else "5"
-            if "emission_is" in rows and use.emission_is == "auto" and "emission" in arrays:
-                reason = next(info.reason for info in self._file.channels if info.name == "emission")
-                use.emission_is = "seen" if "Emission pass" in reason else "emitted"
-            if use.cryptomatte:
-                if ids is None:
-                    ids = np.zeros(self._file.shape, np.uint32)
-                # Where several share a pixel, it is that one's which has most of it.
-                ids[(self.matte(tuple(use.cryptomatte)) > 0.5) & (ids == 0)] = place
-                use.cryptomatte = []
-                use.material_id = [place]
-        if ids is not None:
-            arrays["material_id"] = ids
-        return result
-
-    def matte(self, patterns: tuple[str, ...]) -> np.ndarray[Any, Any]:
-        """Share of each pixel that objects or materials of these names have."""
-        if patterns not in self._mattes:
-            self._mattes[patterns] = self._file.matte(*patterns)
-        return self._mattes[patterns]
-
-    @property
-    def has_proxy(self) -> bool:
-        """Whether every second pixel can stand for four: with a camera in place of positions it cannot."""
-        return "position" in self._arrays
-
-    def relight(self, lights: list[RigLight], step: int = 1) -> relume.Report:
-        """Relight into ``pixels``. Light linking is by the Cryptomatte of the objects.
+    def relight(self, scene: bpy.types.Scene, lights: list[RigLight], step: int = 1) -> relume.Report:
+        """Relight into ``pixels``.
 
         Args:
-            lights: of the scene.
+            scene: whose frame and rig this is.
+            lights: of the scene; they join those of the rig.
             step: 2 shades every second pixel of every second row, which then stands for four.
 
         Raises:
-            relume.Error: a channel is missing that a light or the model needs.
+            relume.Error: a channel is missing that a light or the model needs; a light is none for this frame.
         """
-        scale = self._scale(step)
-        report = None
-        for linking, some in _by_linking(lights):
-            rig = self._rig.copy()
-            rig.output.aovs = []
-            for light in some:
-                keys = {key: value for key, value in light.keys.items() if key not in ("include", "exclude")}
-                rig.light.add(f"{len(rig.light)}", light.type, **keys)
-            if linking is None:
-                if not len(rig.light):
-                    rig.light.add(_DARK, "ambient", irradiance=0.0)
-                report = relume.relight(scale.frame, rig, out={"beauty": scale.pixels}).report
-            else:
-                part = relume.relight(scale.further, rig)["beauty"]
-                scale.pixels[..., :3] += part[..., :3] * self._share(linking)[::step, ::step, None]
-        assert report is not None
+        from .scene_rig import add_lights, order_of_lights
+
+        rig = self.rig.at(scene.frame_current)
+        rig.output.aovs = []
+        add_lights(rig, lights, order_of_lights(scene))
+        if not len(rig.light):
+            rig.light.add(_DARK, "ambient", irradiance=0.0)
+        pixels = self.pixels[::-1] if step == 1 else self._proxy(step)
+        report = relume.relight(self._file, rig, out={"beauty": pixels}, step=step).report
         if step > 1:
-            wide = np.repeat(scale.pixels, step, axis=1)[:, : self.size[0]]
-            for row in range(step):
-                rows = self.pixels[::-1][row::step]
-                rows[...] = wide[: len(rows)]
+            _spread(pixels, self.pixels[::-1], step)
         return report
 
-    def _scale(self, step: int) -> _Scale:
-        if step not in self._scales:
-            arrays = {name: array[::step, ::step] for name, array in self._arrays.items()}
-            later = {name: array for name, array in arrays.items() if name not in _ONCE}
-            pixels = self.pixels[::-1] if step == 1 else np.zeros((*arrays["normal"].shape[:2], 4), np.float32)
-            frame = relume.GBuffer(**self._options, **arrays)
-            self._scales[step] = _Scale(frame, relume.GBuffer(**self._options, **later), pixels)
-        return self._scales[step]
-
-    def _share(self, linking: Linking) -> np.ndarray[Any, Any]:
-        share = self.matte(linking.include) if linking.include else np.ones(self._file.shape, np.float32)
-        return share * (1 - self.matte(linking.exclude)) if linking.exclude else share
+    def _proxy(self, step: int) -> np.ndarray[Any, Any]:
+        if step not in self._proxies:
+            width, height = self.size
+            self._proxies[step] = np.zeros((-(-height // step), -(-width // step), 4), np.float32)
+        return self._proxies[step]
 
 
-def _stored_normal(file: relume.GBuffer) -> np.ndarray[Any, Any]:
-    """The normals as the file has them, divided by coverage: a mean over the pixel is shorter than 1, and that widens
-    highlights."""
-    stored = next(info.sources for info in file.channels if info.name == "normal")
-    planar = np.empty((3, *file.shape), np.float32)
-    file.load(*stored, out=dict(zip(stored, planar, strict=True)))
-    return np.moveaxis(planar, 0, -1)
+def _spread(small: np.ndarray[Any, Any], pixels: np.ndarray[Any, Any], step: int) -> None:
+    """Have each pixel of a proxy stand for the `step` × `step` that it is one of."""
+    # A pixel of four floats is moved as one number of 16 bytes.
+    ones, wide = (array.view(np.complex128)[..., 0] for array in (small, pixels))
+    first = wide[::step]
+    for column in range(step):
+        part = first[:, column::step]
+        part[...] = ones[:, : part.shape[1]]
+    for row in range(1, step):
+        rows = wide[row::step]
+        rows[...] = first[: len(rows)]
 
 
-def _fold_constants(rig: relume.Rig, arrays: dict[str, Any]) -> None:
-    """What is the same in every pixel that has a surface is a constant of the rig: less to keep and to read."""
-    surface = np.abs(arrays["normal"]).max(axis=-1) > 0
-    if not surface.any():
-        return
-    first = np.unravel_index(np.argmax(surface), surface.shape)
-    rows = {row.name: row for use in rig.shader for row in use.parameters if row.type in ("scalar", "color")}
-    for name in [name for name in arrays if name in rows]:
-        array = arrays[name]
-        value, differs = array[first], array != array[first]
-        if (differs.any(axis=-1) if differs.ndim == 3 else differs)[surface].any():
-            continue
-        if not (value >= rows[name].min).all() or not (value <= rows[name].max).all():
-            continue  # a channel is clamped, a constant of a rig would be refused
-        del arrays[name]
-        for use in rig.shader:
-            if name in (row.name for row in use.parameters) and name not in use._given():
-                setattr(use, name, tuple(map(float, value)) if array.ndim == 3 else float(value))
-
-
-def _by_linking(lights: list[RigLight]) -> Iterator[tuple[Linking | None, list[RigLight]]]:
-    """Lights by what they reach; first those (or none) that reach everything."""
-    parts: dict[Linking, list[RigLight]] = {}
-    for light in lights:
-        parts.setdefault(light.linking, []).append(light)
-    everything = [light for light in lights if not any(light.linking)]
-    yield None, everything
-    for linking, some in parts.items():
-        if any(linking):
-            yield linking, some
-
-
-def _blender_version(producer: str) -> tuple[int, int]:
-    """(major, minor) of "Blender 5.0.1"; of this Blender where the file does not say."""
-    words = producer.split()
-    numbers = words[1].split(".") if len(words) > 1 else []
-    if words[:1] == ["Blender"] and len(numbers) >= 2 and all(number.isdigit() for number in numbers[:2]):
-        return int(numbers[0]), int(numbers[1])
-    return bpy.app.version[:2]
-
-
-def newest(path: Path, frame: int) -> tuple[str, int]:
-    """What tells whether a file has changed since it was loaded."""
+def newest(path: Path, frame: int) -> tuple[object, ...]:
+    """What tells whether a file has changed since it was read."""
     from relume.frames import resolve_frame
 
     name = resolve_frame(str(path), frame)
     try:
-        return name, Path(name).stat().st_mtime_ns
+        status = Path(name).stat()
     except OSError:
-        return name, 0
+        return (name,)
+    return name, status.st_mtime_ns, status.st_size, status.st_ino

@@ -16,7 +16,8 @@ import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from .linking import LeftOutError, Linking, light_linking
+from .linking import LeftOutError, light_linking
+from .loaded_keys import recalled
 
 if TYPE_CHECKING:
     import bpy
@@ -37,11 +38,8 @@ class RigLight:
     keys: dict[str, Any]
     #: What is approximated, in words for the user.
     notes: list[str] = field(default_factory=list)
-
-    @property
-    def linking(self) -> Linking:
-        """Which objects it reaches."""
-        return Linking(tuple(self.keys.get("include", ())), tuple(self.keys.get("exclude", ())))
+    #: Its keys by Blender's numbers alone: the same ones in every frame.
+    read: dict[str, Any] = field(default_factory=dict)
 
 
 def _factors(light: bpy.types.Light) -> tuple[float, float, float]:
@@ -181,4 +179,4 @@ def rig_light(thing: bpy.types.Object, matrix: Matrix, name: str) -> RigLight:
         keys["include"] = list(linking.include)
     if linking.exclude:
         keys["exclude"] = list(linking.exclude)
-    return RigLight(name, name_of_type, keys, notes)
+    return RigLight(name, name_of_type, recalled(thing, keys), notes, keys)

@@ -29,7 +29,7 @@ class _State:
     """The frame in memory, and what is out of date."""
 
     frame: LoadedFrame | None = None
-    #: What the frame was loaded from: scene, and file with its time or render count.
+    #: What the frame was loaded from: scene, the rig's text, and file with its time or render count.
     origin: tuple[object, ...] = ()
     #: Renders made so far, so that a new one is noticed.
     renders = 0
@@ -49,9 +49,11 @@ def _origin(scene: bpy.types.Scene) -> tuple[object, ...]:
     from .frames import newest
     from .scene_rig import source_file
 
+    text = scene.relume.rig_extra
+    who = scene.name, text.as_string() if text is not None else ""
     if scene.relume.source == "RENDER":
-        return scene.name, "render", _state.renders
-    return (scene.name, *newest(source_file(scene), scene.frame_current))
+        return *who, "render", _state.renders
+    return *who, *newest(source_file(scene), scene.frame_current)
 
 
 def relight_scene(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, step: int = 1) -> bpy.types.Image:
@@ -71,7 +73,7 @@ def relight_scene(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, step: 
     start = time.perf_counter()
     origin = _origin(scene)
     loads = _state.frame is None or _state.origin != origin or _state.rig_is_stale
-    if _state.frame is None or _state.origin != origin or _state.rig_is_stale:
+    if _state.frame is None or loads:
         rig = base_rig(scene)
         _state.frame = None  # two frames need not be in memory
         if scene.relume.source == "RENDER":
@@ -79,8 +81,9 @@ def relight_scene(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, step: 
         else:
             _state.frame = LoadedFrame.read(source_file(scene), rig, scene.frame_current)
         _state.origin, _state.rig_is_stale = origin, False
+        step = 1  # a whole relight reads the file, and what it asked for is kept
     lights = scene_lights(scene, depsgraph)
-    report = _state.frame.relight(lights.lights, step)
+    report = _state.frame.relight(scene, lights.lights, step)
     image = show(scene, _state.frame)
     _say(scene, lights.left_out, [*lights.notes, *(("", text) for text in (*_state.frame.notes, *report.warnings))])
     scene.relume.seconds = time.perf_counter() - start
@@ -136,7 +139,7 @@ def request() -> None:
 
 def _tick_moving() -> None:
     """Relight as fast as a hand moves."""
-    slow = _state.seconds > _SECONDS_TO_FOLLOW and _state.frame is not None and _state.frame.has_proxy
+    slow = _state.seconds > _SECONDS_TO_FOLLOW and _state.frame is not None
     _tick(2 if slow else 1)
     if bpy.app.timers.is_registered(_tick):
         bpy.app.timers.unregister(_tick)
@@ -174,13 +177,16 @@ def _depsgraph_updated(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -
     if _state.busy or _state.rendering or depsgraph.mode != "VIEWPORT":
         return
     ids = [update.id for update in depsgraph.updates]
-    _refresh_materials([each.original for each in ids if isinstance(each, bpy.types.Material)])
+    if any(isinstance(each, bpy.types.Action) for each in ids):
+        _refresh_materials(list(bpy.data.materials))  # keys of one of them may have moved
+    else:
+        _refresh_materials([each.original for each in ids if isinstance(each, bpy.types.Material)])
     if scene.relume.live and any(_concerns_lights(each) for each in ids):
         request()
 
 
 def _refresh_materials(materials: list[bpy.types.Material]) -> None:
-    """A slider of a wired material has moved: its AOVs follow."""
+    """A slider or a key of a wired material has moved: its AOVs follow."""
     from .wiring import MARK, refresh
 
     _state.busy = True

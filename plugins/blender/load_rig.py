@@ -10,6 +10,10 @@ from typing import TYPE_CHECKING, Any
 import bpy
 from mathutils import Matrix, Vector
 
+from .load_keys import Track, animate, keyed, tracks
+from .loaded_keys import remember
+from .scene_rig import ORDER
+
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -42,16 +46,17 @@ def load_rig(scene: bpy.types.Scene, path: Path) -> LoadedRig:
 
     rig = relume.Rig.load(path)
     rest, result = rig.copy(), LoadedRig()
-    settings: list[tuple[str, str, dict[str, Any], Matrix]] = []
+    settings: list[tuple[str, str, dict[str, Any], Matrix, list[Track]]] = []
+    now = rig.at(scene.frame_current)
     for name in rig.light:
         try:
-            settings.append((name, *_blender_light(rig.light[name])))
+            settings.append((name, *_blender_light(now.light[name]), tracks(rig, name, _blender_light)))
             del rest.light[name]
         except _StaysError as reason:
             result.kept.append((name, str(reason)))
     collection = bpy.data.collections.new(path.stem)
     scene.collection.children.link(collection)
-    for name, kind, keys, matrix in settings:
+    for name, kind, keys, matrix, moving in settings:
         light = bpy.data.lights.new(name, kind)
         for key, value in keys.items():
             owner = light.relume if hasattr(light.relume, key) else light
@@ -60,30 +65,42 @@ def load_rig(scene: bpy.types.Scene, path: Path) -> LoadedRig:
         thing.hide_render = not rig.light[name].enabled
         thing.matrix_world = matrix
         collection.objects.link(thing)
+        animate(thing, moving, scene.frame_current)
         result.made.append(thing)
-    _keep(scene, path, rest)
+    _remember({name: thing for (name, *_), thing in zip(settings, result.made, strict=True)}, rig)
+    _keep(scene, path, rest, list(rig.light))
     return result
 
 
-def _keep(scene: bpy.types.Scene, path: Path, rest: relume.Rig) -> None:
+def _remember(made: dict[str, bpy.types.Object], rig: relume.Rig) -> None:
+    """Have lights that nobody touches shade by the rig's own numbers."""
+    from .lights import rig_light
+
+    bpy.context.view_layer.update()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    for name, thing in made.items():
+        evaluated = thing.evaluated_get(depsgraph)
+        light = rig.light[name]
+        given = {key: getattr(light, key) for key in light._given()}
+        remember(thing, given, rig_light(evaluated, evaluated.matrix_world, name).keys, set(keyed(light)))
+
+
+def _keep(scene: bpy.types.Scene, path: Path, rest: relume.Rig, order: list[str]) -> None:
     """The rig without what became lights, as a text that joins the scene's rig."""
     rest.gbuffer.file = None
     text = bpy.data.texts.new(path.name)
     text.write(str(rest))
+    text[ORDER] = order
     scene.relume.rig_extra = text
 
 
 def _blender_light(light: Light) -> tuple[str, dict[str, Any], Matrix]:
     """Type, properties and matrix of the light object."""
-    import relume
-
     if light.type not in _TYPES:
         raise _StaysError(f"Blender has no light like '{light.type}'")
     if light.space == "camera":
         raise _StaysError("it stands in the camera's space")
     values = {row.name: getattr(light, row.name) for row in light.parameters}
-    if any(isinstance(value, relume.Keys) for value in values.values()):
-        raise _StaysError("it is keyed over frames")
     if values["include"] or values["exclude"]:
         raise _StaysError("its light linking is by Cryptomatte patterns")
     if values["transmission"] != 1:

@@ -67,7 +67,8 @@ def scene_lights(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> Scen
             result.left_out.append((name, str(error)))
     exposure = _film_exposure(scene)
     for light in result.lights:
-        light.keys["exposure"] += exposure
+        for keys in (light.keys, light.read):
+            keys["exposure"] = keys.get("exposure", 0.0) + exposure
     reason = _world_light(scene.world)
     if reason:
         result.left_out.append((scene.world.name, reason))

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
     from .lights import RigLight
 
+#: Custom property of a loaded rig's text: the names of all lights of the file.
+ORDER = "relume_order"
+
 #: Blender's word for how a BSDF's facets are distributed -> the model's option.
 _DISTRIBUTIONS = {"GGX": "ggx", "MULTI_GGX": "multi_ggx"}
 
@@ -76,13 +79,33 @@ def _add_shaders(rig: relume.Rig, model: str, keys: dict[str, Any]) -> None:
     rig.shader.add(model, **keys)
 
 
-def add_lights(rig: relume.Rig, lights: list[RigLight]) -> None:
-    """Add lights to a rig; those of its own with the same name give way."""
+def add_lights(rig: relume.Rig, lights: list[RigLight], order: list[str]) -> None:
+    """Add lights to a rig; those of its own with the same name give way.
+
+    Args:
+        rig: takes them.
+        lights: of the scene.
+        order: of a rig file's lights by name, which stand as they stood there (sums round by their order); the others
+            follow.
+    """
+    all_of_them = {
+        light.name: (light.type, {key: getattr(light, key) for key in light._given()}) for light in rig.light.values()
+    }
     for light in lights:
-        name = rig_name(light.name)
-        if name in rig.light:
-            del rig.light[name]
-        rig.light.add(name, light.type, **light.keys)
+        all_of_them.pop(rig_name(light.name), None)
+        all_of_them[rig_name(light.name)] = (light.type, light.keys)
+    for name in list(rig.light):
+        del rig.light[name]
+    places = {name: place for place, name in enumerate(order)}
+    for name in sorted(all_of_them, key=lambda name: places.get(name, len(places))):
+        kind, keys = all_of_them[name]
+        rig.light.add(name, kind, **keys)
+
+
+def order_of_lights(scene: bpy.types.Scene) -> list[str]:
+    """Names of the lights of the rig file that was loaded, in its order."""
+    text = scene.relume.rig_extra
+    return list(text.get(ORDER, ())) if text is not None else []
 
 
 def rig_name(name: str) -> str:
@@ -94,7 +117,7 @@ def scene_rig(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> SceneRi
     """The rig of a scene as it stands now."""
     lights = scene_lights(scene, depsgraph)
     rig = base_rig(scene)
-    add_lights(rig, lights.lights)
+    add_lights(rig, lights.lights, order_of_lights(scene))
     return SceneRig(rig, lights)
 
 
@@ -115,11 +138,16 @@ def animated_rig(scene: bpy.types.Scene, depsgraph_of: Callable[[], bpy.types.De
     for name in names:
         at = {frame: light for frame, lights in taken for light in lights.lights if light.name == name}
         first = next(iter(at.values()))
-        for key in list(first.keys):
-            values = [(frame, light.keys.get(key)) for frame, light in at.items()]
+        if any(light.read != first.read for light in at.values()):
+            # What a rig file said of it may be another set of keys, which hold in some frames alone.
+            for light in at.values():
+                light.keys = light.read
+        defaults = {row.name: row.default for row in relume.light_types[first.type].parameters}
+        for key in dict.fromkeys(key for light in at.values() for key in light.keys):
+            values = [(frame, light.keys.get(key, defaults[key])) for frame, light in at.items()]
             if all(value == values[0][1] for _, value in values):
                 continue
-            if _is_number(values[0][1]):
+            if all(_is_number(value) for _, value in values):
                 first.keys[key] = relume.Keys(tuple(values))
             else:
                 first.notes.append(f"its {key} changes over the frames; the rig has that of the first")
@@ -130,7 +158,7 @@ def animated_rig(scene: bpy.types.Scene, depsgraph_of: Callable[[], bpy.types.De
             first.keys["color"] = relume.Keys(keys, "hold")
         result.lights.append(first)
     rig = base_rig(scene)
-    add_lights(rig, result.lights)
+    add_lights(rig, result.lights, order_of_lights(scene))
     return SceneRig(rig, result)
 
 

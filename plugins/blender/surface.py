@@ -10,8 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from .animation import is_animated
+
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
     import bpy
 
@@ -139,40 +141,7 @@ def read_material(material: bpy.types.Material) -> Reading:
     if surface is None:
         raise UnwiredError("nothing is linked to its Surface")
     reading.surface = surface
-    reading.remarks += sorted(_animated(surface))
     return reading
-
-
-def _animated(surface: Surface) -> set[str]:
-    """Constants that change over time: their copies in the AOVs do not."""
-    if isinstance(surface, Group):
-        return _animated(surface.inner)
-    if isinstance(surface, Blend):
-        moving = _animated(surface.first) | _animated(surface.second)
-        return moving | _animated_sockets(surface.factor.node, [surface.factor])
-    return _animated_sockets(surface.node, [each for each in surface.values.values() if hasattr(each, "is_linked")])
-
-
-def _animated_sockets(node: bpy.types.Node, sockets: list[bpy.types.NodeSocket]) -> set[str]:
-    data = node.id_data.animation_data
-    if data is None:
-        return set()
-    paths = {driver.data_path for driver in data.drivers}
-    if data.action is not None:
-        paths |= {curve.data_path for curve in _curves(data)}
-    return {
-        f"{socket.name} of '{node.name}' is animated: link a Value or RGB node to it and animate that"
-        for socket in sockets
-        if source_of(socket) is None and socket.path_from_id("default_value") in paths
-    }
-
-
-def _curves(data: bpy.types.AnimData) -> Iterator[bpy.types.FCurve]:
-    """The curves of an action that are of this tree."""
-    for layer in data.action.layers:
-        for strip in layer.strips:
-            bag = strip.channelbag(data.action_slot) if data.action_slot is not None else None
-            yield from bag.fcurves if bag is not None else ()
 
 
 def _surface(socket: bpy.types.NodeSocket, reading: Reading) -> Surface | None:
@@ -241,7 +210,7 @@ def _mix(node: bpy.types.Node, _output: bpy.types.NodeSocket, reading: Reading) 
     if first is None or second is None:
         return first or second
     factor = _number(node.inputs[0])
-    if factor in (0, 1) and not _animated_sockets(node, [node.inputs[0]]):
+    if factor in (0, 1) and not is_animated(node.inputs[0]):
         return second if factor else first
     return Blend(node.inputs[0], first, second)
 

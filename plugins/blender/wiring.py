@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Wires a material's parameters to AOV Output nodes, beside the user's nodes and without touching one of them.
 
-A linked input is linked to its AOV too. A constant is copied, and the copy knows where from: refresh() brings it up to
-date when a slider has moved (a driver would make the tree depend on itself). A Mix Shader becomes a Mix node for each
+A linked input is linked to its AOV too. A constant is copied with its keys and drivers, and the copy knows where from:
+refresh() brings it up to date when a slider or a key has moved. A Mix Shader becomes a Mix node for each
 parameter. A group gets an output for each parameter that comes from inside. Every node made here carries a mark, and
 its material the signature of what was read, so that a second pass changes nothing, and a later one rewires only what
 has changed.
@@ -14,6 +14,7 @@ import json
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
+from .animation import copy_animation
 from .surface import Blend, Group, Leaf, Number, Surface, read_material, source_of
 
 if TYPE_CHECKING:
@@ -181,7 +182,8 @@ def clear(tree: bpy.types.NodeTree, part: str | None = None) -> None:
 
 
 def refresh(tree: bpy.types.NodeTree) -> bool:
-    """Bring copied constants of a tree, and of the groups in it, up to date. Returns whether one had changed."""
+    """Bring copied constants of a tree, and of the groups in it, and what animates them up to date. Returns whether one
+    had changed."""
     changed = False
     for node in tree.nodes:
         if node.bl_idname == "ShaderNodeGroup" and node.node_tree is not None and MARK in node.node_tree:
@@ -190,7 +192,11 @@ def refresh(tree: bpy.types.NodeTree) -> bool:
             origin = tree.nodes.get(name)
             sockets = {socket.identifier: socket for socket in (*node.outputs, *node.inputs)}
             source = next((each for each in origin.inputs if each.identifier == place), None) if origin else None
-            if source is not None and not _same(source.default_value, sockets[identifier].default_value):
+            if source is None:
+                continue
+            if tree.animation_data is not None:
+                changed |= copy_animation(source, sockets[identifier])
+            if not _same(source.default_value, sockets[identifier].default_value):
                 sockets[identifier].default_value = source.default_value
                 changed = True
     return changed
@@ -281,6 +287,7 @@ class _Builder:
     def _copy(self, source: bpy.types.NodeSocket, socket: bpy.types.NodeSocket) -> None:
         """Have a socket of ours hold another's constant, now and after refresh()."""
         socket.default_value = source.default_value
+        copy_animation(source, socket)
         copies = json.loads(socket.node.get(_COPIES, "{}"))
         copies[socket.identifier] = [source.node.name, source.identifier]
         socket.node[_COPIES] = json.dumps(copies)

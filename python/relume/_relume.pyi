@@ -389,6 +389,10 @@ class GBuffer:
         """
         With the options of the rig's [gbuffer] and [camera].
         """
+    def keep_channels(self, bytes: typing.SupportsInt | typing.SupportsIndex) -> None:
+        """
+        Keep what relights ask for, up to so many bytes.
+        """
     def load(
         self,
         requests: collections.abc.Sequence[ChannelRequest],
@@ -641,6 +645,7 @@ def relight(
     out: collections.abc.Mapping[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]],
     threads: typing.SupportsInt | typing.SupportsIndex,
     progress: typing.Any,
+    step: typing.SupportsInt | typing.SupportsIndex = 1,
 ) -> Report:
     """
     Into the arrays of `out`, by AOV name.

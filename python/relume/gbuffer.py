@@ -207,6 +207,16 @@ class GBuffer:
         """Names in the Cryptomatte manifests, by layer."""
         return self._gbuffer.cryptomatte
 
+    def keep_channels(self, bytes: int) -> None:
+        """Have a file read once: what relights ask for is kept, and a relight with other lights only shades.
+
+        Pixels are the same. A file that is written again meanwhile is not looked at: read it anew.
+
+        Args:
+            bytes: of memory at the most, 4 for each number of a pixel; what does not fit is read every time.
+        """
+        self._gbuffer.keep_channels(bytes)
+
     def __contains__(self, name: object) -> bool:
         return any(info.name == name for info in self.channels)
 

@@ -3,13 +3,15 @@
 
 The core: understanding the G-buffer and relighting it into memory, plus one copy of the picture. OpenImageIO: opening
 the rig and reading the picture. Each time with another exposure, so that nothing is there already, and into memory that
-the program has had before: fresh pages are the host's own cost.
+the program has had before: fresh pages are the host's own cost. Blender: from a light's change to pixels in the image
+datablock (blender_latency.py), where Blender is there as a Python module.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import time
@@ -17,7 +19,7 @@ from pathlib import Path
 
 import bench_files
 
-WORK = bench_files.WORK
+ROOT, WORK = bench_files.ROOT, bench_files.WORK
 
 
 def core(rig_path: str, threads: int, repeats: int) -> float:
@@ -46,6 +48,41 @@ def openimageio_program() -> Path:
     return program
 
 
+#: Milliseconds from a light's change to new pixels, 1080p, four lights, two cores.
+LATENCY_BAR = 100.0
+
+
+def blender(repeats: int) -> None:
+    """Prints what Blender takes from a light to pixels, and each step's share."""
+    home = ROOT / "build" / "blender"
+    pythons = sorted(home.glob("venv-*/bin/python"))
+    archives = sorted(home.glob("relume-*.zip"))
+    if not pythons or not archives:
+        print("Blender's latency is left out: ./dev blender-extension fetches Blender and builds the extension")
+        return
+    resources = WORK / "blender-user"
+    shutil.rmtree(resources, ignore_errors=True)
+    resources.mkdir(parents=True)
+    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    environment["BLENDER_USER_RESOURCES"] = str(resources)
+    program = Path(__file__).with_name("blender_latency.py")
+    # Eight measurements of a light for each repeat: milliseconds scatter more than seconds.
+    words = [pythons[-1], program, archives[-1], WORK, str(8 * repeats)]
+    done = subprocess.run(list(map(str, words)), env=environment, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        sys.exit(f"bench: {program.name} failed:\n{done.stderr}")
+    result = json.loads(done.stdout.splitlines()[-1])
+    cores = os.cpu_count() or 1
+    print(f"Blender {result['blender']}, 1920×1080, four lights, {cores} CPUs")
+    print("ms from a light to pixels: median, 95th percentile")
+    for name, times in result["times"].items():
+        ordered = sorted(times)
+        median, late = ordered[len(ordered) // 2], ordered[int(0.95 * len(ordered))]
+        whole = name in ("whole frame", "proxy")
+        bar = f"   (bar ≤ {LATENCY_BAR:.0f}){'' if median <= LATENCY_BAR else '  MISSED'}" if whole else ""
+        print(f"  {'' if whole else '  '}{name:{16 if whole else 14}s} {median:7.1f} {late:7.1f}{bar}")
+
+
 def run(repeats: int) -> None:
     """Prints figures and bars."""
     from relume.hosts import find_openimageio, oiio_plugin
@@ -71,6 +108,7 @@ def run(repeats: int) -> None:
     share = seconds["openimageio"] / seconds["core"]
     met = "" if share <= 1.15 else "  MISSED"
     print(f"  {share:6.2f} of that through OpenImageIO, {1e3 * seconds['openimageio']:.0f} ms (bar ≤ 1.15){met}")
+    blender(repeats)
 
 
 if __name__ == "__main__":

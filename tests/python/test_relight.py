@@ -123,6 +123,25 @@ def test_threads_change_nothing(ggx_rig: Rig) -> None:
         np.testing.assert_array_equal(one[name], five[name])
 
 
+def test_kept_channels_and_steps(ggx_rig: Rig, tmp_path: Path) -> None:
+    """The bits of the whole, from a file that is not there any more."""
+    path = tmp_path / "scene.exr"
+    relume.write_scene("sdf", path, width=53, height=37, samples=4)
+    expected = relight(path, ggx_rig)
+    gbuffer = GBuffer.read(path)
+    gbuffer.keep_channels(1 << 30)
+    relight(gbuffer, ggx_rig)
+    path.write_bytes(b"another file")
+    for name, array in relight(gbuffer, ggx_rig).items():
+        np.testing.assert_array_equal(array.view(np.uint32), expected[name].view(np.uint32))
+    for name, array in relight(gbuffer, ggx_rig, step=3).items():
+        np.testing.assert_array_equal(array, expected[name][::3, ::3])
+    with pytest.raises(relume.ArgumentError, match="step is 0"):
+        relight(gbuffer, ggx_rig, step=0)
+    with pytest.raises(relume.ArgumentError, match=r"\(19, 27, 4\)"):
+        relight(gbuffer, ggx_rig, out={"beauty": np.zeros((37, 53, 4), np.float32)}, step=2)
+
+
 def readonly() -> np.ndarray:
     array = np.zeros((37, 53, 4), np.float32)
     array.flags.writeable = False

@@ -39,6 +39,7 @@ COMMANDS: dict[str, Callable[[list[str]], int]] = {
     "docs": pictures.docs,
     "truth": pictures.truth,
     "blender-extension": blender.extension,
+    "blender-picture": blender.picture,
     "relume": relume,
     "python": python,
 }

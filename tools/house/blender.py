@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from house import package
-from house.checkout import BUILD, ROOT, StepError, output, run, say
+from house.checkout import BUILD, PYTHON, ROOT, StepError, output, run, say
 
 #: Blender as a module: today's, whose validator is used, and the long-term one. 370 MB each, fetched once.
 VERSIONS = ("5.0.1", "4.5.15")
@@ -95,6 +95,17 @@ def extension(arguments: list[str]) -> int:
     return 0
 
 
+def picture(arguments: list[str]) -> int:
+    """Make docs/images/blender.png in Blender: Cycles' render of a scene and relume's"""
+    archive, resources = build_extension(), _HOME / "user-picture"
+    shutil.rmtree(resources, ignore_errors=True)
+    resources.mkdir(parents=True)
+    environment = _clean_environment() | {"BLENDER_USER_RESOURCES": str(resources)}
+    program = ROOT / "tools" / "make_blender_picture.py"
+    run([blender_python(VERSIONS[0]), program, archive, ROOT / "docs" / "images" / "blender.png"], env=environment)
+    return 0
+
+
 @dataclass(frozen=True)
 class TestRun:
     """pytest in one Blender."""
@@ -115,5 +126,6 @@ def test_runs(archive: Path) -> Iterator[TestRun]:
         report.unlink(missing_ok=True)
         environment = _clean_environment()
         environment |= {"BLENDER_USER_RESOURCES": str(resources), "RELUME_BLENDER_EXTENSION": str(archive)}
+        environment["RELUME_PYTHON"] = PYTHON  # has click, which the command line needs
         command: list[str | Path] = [blender_python(version), "-m", "pytest", "-q", "-p", "no:cacheprovider"]
         yield TestRun(f"tests in Blender {version}", [*command, f"--junitxml={report}", _TESTS], environment, report)

@@ -24,6 +24,9 @@ struct RelightOptions {
     /// relight() alone: the part of the data window that is wanted, in its coordinates. The planes are of this size,
     /// and pixels get the same bits as in the whole.
     std::optional<Window> region;
+    /// relight() alone: every `step`-th pixel of every `step`-th row, from the first on. The planes have as many (the
+    /// last ones count), and pixels get the same bits as in the whole.
+    int step = 1;
 };
 
 /// What happened to the pixels.

@@ -128,6 +128,81 @@ TEST_F(RegionTest, KeptPixelsAreTheSameAndNeedNoFile) {
     EXPECT_EQ(relit(kept, brighter, all, 2), bright);
 }
 
+TEST_F(RegionTest, KeptChannelsAreTheSameAndNeedNoFile) {
+    const GBuffer plain = GBuffer::read(path);
+    const Window all = plain.data_window(), part{20, 33, 50, 30};
+    const std::vector<float> whole = relit(plain, rig, all);
+    GBuffer little = GBuffer::read(path), kept = GBuffer::read(path);
+    little.keep_channels(std::int64_t{5} * 160 * 90 * 4);  // of five planes
+    kept.keep_channels(std::int64_t{1} << 30);
+    for (const GBuffer* gbuffer : {&little, &kept}) {
+        EXPECT_EQ(relit(*gbuffer, rig, part, 3), part_of(whole, all, part));
+        for (const int threads : {3, 1, 2}) EXPECT_EQ(relit(*gbuffer, rig, all, threads), whole);
+        EXPECT_EQ(relit(*gbuffer, rig, part, 3), part_of(whole, all, part));
+    }
+    Rig brighter = rig, other_model = rig;
+    brighter.lights[0].values.set(find_light_type("sun")->parameters, "exposure", 1.0, "sun");
+    const std::vector<float> bright = relit(plain, brighter, all);
+    // Another model asks for more: that is read, and kept too.
+    other_model.set("shader.0.use", "cook_torrance");
+    const std::vector<float> other = relit(plain, other_model, all);
+    EXPECT_EQ(relit(kept, other_model, all), other);
+    std::filesystem::resize_file(path, 400);
+    EXPECT_THROW(relit(little, rig, all), Error);
+    EXPECT_EQ(relit(kept, rig, all, 2), whole);
+    EXPECT_EQ(relit(kept, brighter, all, 2), bright);
+    EXPECT_EQ(relit(kept, other_model, all, 2), other);
+    EXPECT_NE(other, whole);
+}
+
+TEST_F(RegionTest, KeptChannelsOfRowsOfSeveralTiles) {
+    SceneOptions options;
+    options.width = 4099;
+    options.height = 5;
+    options.samples = 1;
+    write_scene("sdf", path, options);
+    const GBuffer plain = GBuffer::read(path);
+    GBuffer kept = GBuffer::read(path);
+    kept.keep_channels(std::int64_t{1} << 30);
+    const Window all = plain.data_window(), across{4000, 1, 99, 3};
+    const std::vector<float> whole = relit(plain, rig, all);
+    for (int k = 0; k < 3; ++k) {
+        EXPECT_EQ(relit(kept, rig, all), whole);
+        EXPECT_EQ(relit(kept, rig, across), part_of(whole, all, across));
+    }
+}
+
+TEST_F(RegionTest, StepsAreThePixelsOfTheWhole) {
+    GBuffer gbuffer = GBuffer::read(path);
+    const Window all = gbuffer.data_window(), part{20, 33, 51, 31};
+    gbuffer.keep_channels(std::int64_t{1} << 30);
+    for (const Window& window : {all, part, part}) {
+        const std::vector<float> whole = relit(gbuffer, rig, window);
+        for (const int step : {2, 3, 7, 200}) {
+            const int width = (window.width + step - 1) / step, height = (window.height + step - 1) / step;
+            std::vector<float> rgba;
+            RelightOptions options;
+            options.region = window;
+            options.step = step;
+            const RelightReport report = relight(gbuffer, rig, {{"beauty", interleaved(rgba, width, height)}}, options);
+            EXPECT_EQ(report.pixels, std::int64_t{width} * height);
+            for (int y = 0; y < height; ++y)
+                for (int x = 0; x < 4 * width; ++x)
+                    ASSERT_EQ(rgba[static_cast<std::size_t>(4 * width * y + x)],
+                              whole[static_cast<std::size_t>(4 * (y * step * window.width + x / 4 * step) + x % 4)])
+                        << "step " << step << ", " << x / 4 << ", " << y;
+        }
+    }
+    RelightOptions options;
+    std::vector<float> rgba;
+    for (const int step : {0, -2}) {
+        options.step = step;
+        EXPECT_THROW(relight(gbuffer, rig, {{"beauty", interleaved(rgba, 150, 90)}}, options), Error);
+    }
+    options.step = 2;
+    EXPECT_THROW(relight_to_file(gbuffer, rig, path.string() + ".out", options), Error);
+}
+
 TEST_F(RegionTest, OutsideIsRefused) {
     const GBuffer gbuffer = GBuffer::read(path);
     constexpr int kLargest = std::numeric_limits<int>::max();

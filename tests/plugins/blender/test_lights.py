@@ -82,7 +82,7 @@ def relit(scene: Any, gbuffer: relume.GBuffer, module: Callable[[str], Any]) -> 
     rig = relume.Rig()
     lights = module("scene_lights").scene_lights(scene, bpy.context.evaluated_depsgraph_get())
     assert not lights.left_out
-    module("scene_rig").add_lights(rig, lights.lights)
+    module("scene_rig").add_lights(rig, lights.lights, [])
     rig.shader.add("lambert", base_color=(0.8, 0.8, 0.8))
     return relume.relight(gbuffer, rig)["beauty"][..., :3]
 
@@ -208,7 +208,7 @@ def test_light_linking(state: str, module: Callable[[str], Any], folder: Path) -
     rig = relume.Rig()
     rig.shader.add("lambert", base_color=(0.8, 0.8, 0.8))
     frame = module("frames").LoadedFrame(gbuffer, rig)
-    frame.relight(module("scene_lights").scene_lights(scene, bpy.context.evaluated_depsgraph_get()).lights)
+    frame.relight(scene, module("scene_lights").scene_lights(scene, bpy.context.evaluated_depsgraph_get()).lights)
     assert np.abs(frame.pixels[::-1, :, :3] - image).max() <= 1e-6
 
 

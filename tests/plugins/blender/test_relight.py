@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The relit picture: of the render just made and of files, live, with proxies, in the compositor; how long it takes."""
+"""The relit picture: of the render just made and of files, live, with proxies, in the compositor."""
 
 from __future__ import annotations
 
-import time
+import os
+import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -33,7 +34,13 @@ def picture() -> np.ndarray[Any, Any]:
 
 
 def agree(image: np.ndarray[Any, Any], expected: np.ndarray[Any, Any]) -> bool:
-    """The same but for rounding, which a camera that is recovered from an array's positions adds to."""
+    """The same bits."""
+    return np.array_equal(np.ascontiguousarray(image).view(np.uint32), expected.view(np.uint32))
+
+
+def nearly(image: np.ndarray[Any, Any], expected: np.ndarray[Any, Any]) -> bool:
+    """The same but for a camera that is recovered from other pixels of the positions: a render that is not written yet
+    has other chunks than its file."""
     return bool((np.abs(image - expected) <= 2e-5 * (1 + np.abs(expected))).all())
 
 
@@ -49,11 +56,11 @@ def test_the_render_just_made(scene: Any, folder: Path, module: Callable[[str], 
     settings.color_depth = "16"
     assert bpy.ops.relume.relight() == {"FINISHED"}
     assert settings.color_depth == "16"
-    assert agree(picture(), by_file(scene, folder / "shot.exr", module))
+    assert nearly(picture(), by_file(scene, folder / "shot.exr", module))
     bpy.data.objects["lamp"].data.energy = 0.0
     bpy.ops.render.render()
     bpy.ops.relume.relight()
-    assert agree(picture(), by_file(scene, folder / "shot.exr", module))
+    assert nearly(picture(), by_file(scene, folder / "shot.exr", module))
 
 
 def test_antialiased_with_a_transparent_film(scene: Any, folder: Path, module: Callable[[str], Any]) -> None:
@@ -62,9 +69,10 @@ def test_antialiased_with_a_transparent_film(scene: Any, folder: Path, module: C
     assert bpy.ops.relume.relight() == {"FINISHED"}
     file, image = by_file(scene, folder / "shot.exr", module), picture()
     assert ((image[..., 3] > 0.01) & (image[..., 3] < 0.99)).sum() > 500
-    assert np.abs(image[..., 3] - file[..., 3]).max() <= 1e-5
-    # In a file a pixel that two materials share is shaded by both of their distributions, here by the larger one's.
-    assert np.percentile(np.abs(image - file), 99) <= 1e-3
+    assert np.percentile(np.abs(image - file), 99) <= 2e-5
+    scene.relume.source, scene.relume.filepath = "FILE", str(folder / "shot.exr")
+    assert bpy.ops.relume.relight() == {"FINISHED"}
+    assert agree(picture(), file)
 
 
 def test_live(scene: Any, folder: Path, module: Callable[[str], Any]) -> None:
@@ -171,12 +179,11 @@ def test_a_proxy_is_every_second_pixel(scene: Any, folder: Path, module: Callabl
     rig = module("scene_rig").base_rig(scene)
     frame = module("frames").LoadedFrame(gbuffer, rig)
     lights = module("scene_lights").scene_lights(scene, bpy.context.evaluated_depsgraph_get()).lights
-    frame.relight(lights)
+    frame.relight(scene, lights)
     whole = frame.pixels[::-1].copy()
-    frame.relight(lights, 2)
+    frame.relight(scene, lights, 2)
     proxy = frame.pixels[::-1]
-    # Its camera is recovered from other pixels' positions.
-    assert np.abs(proxy[::2, ::2] - whole[::2, ::2]).max() <= 1e-4
+    assert (proxy[::2, ::2] == whole[::2, ::2]).all()
     assert (proxy[1::2] == proxy[:-1:2]).all() and (proxy[:, 1::2] == proxy[:, :-1:2]).all()
 
 
@@ -209,34 +216,38 @@ def test_compositor_takes_the_image(scene: Any, folder: Path) -> None:
     assert np.abs(green[..., 1] - expected[..., 1]).max() <= 1e-5
 
 
-def test_a_light_shows_within_a_tenth_of_a_second(folder: Path, module: Callable[[str], Any]) -> None:
-    """1920×1080, four lights, two cores. The whole frame is counted in CPU time, since what else the machine does
-    stretches the clock; what a slower machine shows while a light moves, every second pixel of every second row, by the
-    clock."""
-    scene = materials.build_kinds(1920, 1080)
-    materials.add_light("rim", "POINT", (-4, -5, 3), (0, 0, 0), energy=500.0)
-    bpy.ops.relume.set_up_passes()
-    render(scene, folder / "hd.exr")
-    scene.relume.source, scene.relume.filepath = "FILE", str(folder / "hd.exr")
+def test_a_light_that_moves_reads_nothing(scene: Any, folder: Path, module: Callable[[str], Any]) -> None:
+    """What makes it quick (tests/bench has the times): the file, which is emptied here, is read once."""
+    path = folder / "shot.exr"
+    render(scene, path)
+    content, status = path.read_bytes(), path.stat()
+    scene.relume.source, scene.relume.filepath = "FILE", str(path)
     scene.relume.live = True
-    lamp = bpy.data.objects["lamp"]
-    before = picture()
-    wall, cpu, proxy = [], [], []
-    for _ in range(12):
-        lamp.location.x += 0.1
-        start, spent = time.perf_counter(), time.process_time()
+    path.write_bytes(bytes(len(content)))
+    os.utime(path, ns=(status.st_atime_ns, status.st_mtime_ns))
+    pictures = []
+    for step in (1, 2, 1):
+        bpy.data.objects["lamp"].location.x -= 1
+        bpy.data.objects["spot"].data.energy *= 1.5
         bpy.context.view_layer.update()
-        wall.append(time.perf_counter() - start)
-        cpu.append(time.process_time() - spent)
-    assert np.abs(picture() - before).max() > 1e-2
+        module("live").relight_scene(scene, bpy.context.evaluated_depsgraph_get(), step)
+        pictures.append(picture())
     scene.relume.live = False
-    for _ in range(12):
-        lamp.location.x += 0.1
-        start = time.perf_counter()
-        bpy.context.view_layer.update()
-        module("live").relight_scene(scene, bpy.context.evaluated_depsgraph_get(), 2)
-        proxy.append(time.perf_counter() - start)
-    times = [f"{1000 * min(each):.0f}/{1000 * np.median(each):.0f} ms" for each in (wall, cpu, proxy)]
-    print(f"best/median: whole frame {times[0]}, its CPU time {times[1]}, proxy {times[2]}")
-    assert min(cpu) / 2 < 0.1
-    assert min(proxy) < 0.1
+    path.write_bytes(content)
+    assert agree(pictures[2], by_file(scene, path, module))
+    assert (pictures[1][1::2] == pictures[1][::2]).all() and pictures[1].max() > 0.1
+
+
+def test_the_temporary_file_goes(scene: Any, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The render that was just made is in a file as long as it is relit, and no longer."""
+    place = folder / "temporary"
+    place.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(place))
+    bpy.ops.render.render()
+    scene.relume.live = True
+    assert len(list(place.iterdir())) == 1
+    bpy.ops.render.render()
+    bpy.ops.relume.relight()
+    assert len(list(place.iterdir())) == 1
+    scene.relume.live = False
+    assert list(place.iterdir()) == []

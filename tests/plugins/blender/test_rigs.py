@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import importlib
+import itertools
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -15,7 +16,7 @@ import materials
 import numpy as np
 import pytest
 import relume
-from pictures import render
+from pictures import pixels_of, render
 
 
 @pytest.fixture
@@ -216,3 +217,98 @@ def test_range_stops(scene: Any, folder: Path, module: Callable[[str], Any]) -> 
     files = sorted(path.name for path in (folder / "relit").iterdir())
     assert len(files) <= len(done) + 4 and all(name.endswith(".exr") for name in files)
     assert importlib.import_module("relume").ExrFile(folder / "relit" / files[0]).is_whole()
+
+
+KEYED = """version = 1
+[[light]]
+name = "sun"
+type = "sun"
+direction = { keys = [[1, [0.3, 0.8, -0.5]], [9, [-0.6, 0.5, -0.2]]], interpolation = "smooth" }
+irradiance = 2.0
+exposure = { keys = [[2, -1.0], [6, 1.5], [10, 0.0]], interpolation = "smooth" }
+[[light]]
+name = "lamp"
+type = "point"
+position = { keys = [[1, [-4.0, -6.0, 3.0]], [9, [4.0, -5.0, 2.0]]] }
+power = { keys = [[3, 200.0], [5, 900.0], [8, 300.0]], interpolation = "hold" }
+color = [1.0, 0.5, 0.25]
+[[light]]
+name = "torch"
+type = "spot"
+position = [0.0, -8.0, 1.0]
+direction = [0.1, 1.0, -0.2]
+intensity = { keys = [[1, [50.0, 40.0, 30.0]], [9, [10.0, 40.0, 90.0]]] }
+color = { keys = [[4, [1.0, 1.0, 1.0]], [9, [1.0, 0.2, 0.5]]] }
+cone_angle = { keys = [[2, 20.0], [7, 60.0]] }
+falloff = "smoothstep"
+specular = { keys = [[1, 0.0], [9, 1.0]] }
+[[light]]
+name = "fill"
+type = "ambient"
+irradiance = { keys = [[1, 0.0], [9, 0.4]] }
+[[shader]]
+use = "blender_principled"
+distribution = "ggx"
+"""
+
+
+def test_keys_of_a_rig_that_is_loaded(scene: Any, folder: Path, module: Callable[[str], Any]) -> None:
+    """Lights keyed over frames are animated in Blender, and are written with keys again: each frame is the rig's."""
+    for thing in [each for each in scene.objects if each.type == "LIGHT"]:
+        bpy.data.objects.remove(thing)
+    path = folder / "keyed.relume"
+    path.write_text(KEYED)
+    scene.frame_start, scene.frame_end = 1, 10
+    scene.frame_set(4)
+    assert bpy.ops.relume.load_rig(filepath=str(path)) == {"FINISHED"}
+    assert {each.name for each in scene.objects if each.type == "LIGHT"} == {"sun", "lamp", "torch"}
+    # A key of the rig that one property holds is one key of the property.
+    curve = next(curve for curve in curves_of(bpy.data.objects["lamp"].data) if curve.data_path == "energy")
+    assert [tuple(point.co) for point in curve.keyframe_points] == [(3, 200), (5, 900), (8, 300)]
+    assert {point.interpolation for point in curve.keyframe_points} == {"CONSTANT"}
+
+    render(scene, folder / "shot.exr")
+    scene.relume.source, scene.relume.filepath = "FILE", str(folder / "shot.exr")
+    assert bpy.ops.relume.write_rig(filepath=str(folder / "written.relume")) == {"FINISHED"}
+    given, written = relume.Rig.load(path), relume.Rig.load(folder / "written.relume")
+    pictures = []
+    for frame in (1, 2, 4, 5, 7, 8, 10):
+        scene.frame_set(frame)
+        assert bpy.ops.relume.relight() == {"FINISHED"}
+        image = pixels_of(bpy.data.images["Relit Scene"])
+        expected = relume.relight(folder / "shot.exr", given.at(frame))["beauty"]
+        assert np.abs(image - expected).max() <= 2e-5 * expected.max()
+        of_written = relume.relight(folder / "shot.exr", written.at(frame))["beauty"]
+        assert np.abs(of_written - expected).max() <= 2e-5 * expected.max()
+        pictures.append(expected)
+    assert min(np.abs(first - second).max() for first, second in itertools.pairwise(pictures)) > 0.01
+
+
+def curves_of(owner: Any) -> list[Any]:
+    data = owner.animation_data
+    bags = [strip.channelbag(data.action_slot) for layer in data.action.layers for strip in layer.strips]
+    return [curve for bag in bags if bag is not None for curve in bag.fcurves]
+
+
+def test_a_loaded_light_that_is_animated(scene: Any, folder: Path) -> None:
+    """The rig's own numbers hold as long as nothing moves: with keys in Blender they are keys of Blender's numbers."""
+    path = folder / "given.relume"
+    path.write_text(
+        'version = 1\n[[light]]\nname = "bulb"\ntype = "point"\n'
+        "position = [0.1, -6.1, 2.3]\nintensity = [40.1, 30.1, 20.1]\n"
+    )
+    assert bpy.ops.relume.load_rig(filepath=str(path)) == {"FINISHED"}
+    scene.relume.filepath = str(folder / "shot.####.exr")
+    bpy.ops.relume.write_rig(filepath=str(folder / "still.relume"))
+    still = relume.Rig.load(folder / "still.relume").light["bulb"]
+    assert (still.position, still.intensity) == ((0.1, -6.1, 2.3), (40.1, 30.1, 20.1))
+    light = bpy.data.lights["bulb"]
+    light.keyframe_insert("energy", frame=1)
+    light.energy *= 2
+    light.keyframe_insert("energy", frame=3)
+    bpy.ops.relume.write_rig(filepath=str(folder / "moving.relume"))
+    moving = relume.Rig.load(folder / "moving.relume")
+    lights = [moving.at(frame).light["bulb"] for frame in (1, 3)]
+    strengths = [np.array(light.color) * light.power for light in lights]
+    np.testing.assert_allclose(strengths[0], 4 * np.pi * np.array([40.1, 30.1, 20.1]), rtol=1e-6)
+    np.testing.assert_allclose(strengths[1], 2 * strengths[0], rtol=1e-6)
