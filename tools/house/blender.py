@@ -126,6 +126,8 @@ def test_runs(archive: Path) -> Iterator[TestRun]:
         report.unlink(missing_ok=True)
         environment = _clean_environment()
         environment |= {"BLENDER_USER_RESOURCES": str(resources), "RELUME_BLENDER_EXTENSION": str(archive)}
-        environment["RELUME_PYTHON"] = PYTHON  # has click, which the command line needs
+        # The other doors: a Python that has click and OpenImageIO, and a host of OpenFX nodes.
+        environment["RELUME_PYTHON"] = PYTHON
+        environment["RELUME_OFX_RENDER"] = str(BUILD / "release" / "tests" / "plugins" / "relume_ofx_render")
         command: list[str | Path] = [blender_python(version), "-m", "pytest", "-q", "-p", "no:cacheprovider"]
         yield TestRun(f"tests in Blender {version}", [*command, f"--junitxml={report}", _TESTS], environment, report)

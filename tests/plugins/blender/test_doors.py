@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The same pixels through every door: a G-buffer and a rig give in Blender, bit for bit, what the command line and
-Python give."""
+"""The same pixels through every door: a G-buffer and a rig give, bit for bit, the same in the command line, Python,
+OpenImageIO, OpenFX and Blender."""
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 from collections.abc import Callable
@@ -93,6 +94,30 @@ def beauty(path: Path) -> np.ndarray[Any, Any]:
     return relume.read_layer(path, "Combined" if names else "")
 
 
+def openimageio(rig: Path) -> np.ndarray[Any, Any]:
+    """(H, W, 4): what a program sees that opens the rig by PyPI's OpenImageIO, in a process of its own."""
+    plugin = Path(relume.__file__).parent / "oiio" / "3.2" / "relume.imageio.so"
+    assert plugin.exists()
+    code = "import sys, numpy, OpenImageIO as oiio\nimage = oiio.ImageBuf(sys.argv[1])\n"
+    code += "assert not image.has_error, image.geterror()\nassert image.spec().format == oiio.FLOAT\n"
+    code += "numpy.save(sys.argv[2], image.get_pixels(oiio.FLOAT))\n"
+    environment = os.environ | {"OPENIMAGEIO_PLUGIN_PATH": str(plugin.parent)}
+    words = [os.environ["RELUME_PYTHON"], "-c", code, str(rig), str(rig.with_suffix(".npy"))]
+    done = subprocess.run(words, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return np.load(rig.with_suffix(".npy"))
+
+
+def openfx(rig: Path, context: str) -> np.ndarray[Any, Any]:
+    """(H, W, 4): what the node gives a host in this context; the rig names the file."""
+    raw = rig.with_suffix(".raw")
+    words = [os.environ["RELUME_OFX_RENDER"], str(rig), "-", str(raw), context]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    return np.fromfile(raw, np.float32).reshape(told["height"], told["width"], 4)
+
+
 def same_bits(first: np.ndarray[Any, Any], second: np.ndarray[Any, Any]) -> bool:
     assert first.dtype == second.dtype == np.float32
     return np.array_equal(np.ascontiguousarray(first).view(np.uint32), np.ascontiguousarray(second).view(np.uint32))
@@ -117,13 +142,17 @@ def of_blender(name: str) -> Callable[[Path], Path]:
     ],
     ids=["sdf", "antialiased", "all layers", "added to the beauty"],
 )
-def test_a_rig_that_is_loaded(make: Callable[[Path], Path], text: str, folder: Path) -> None:
+def test_five_doors(make: Callable[[Path], Path], text: str, folder: Path) -> None:
     gbuffer, rig = make(folder), folder / "given.relume"
-    rig.write_text(text)
-    command("relight", gbuffer, "--rig", rig, "--set", "output.type=float", "-o", folder / "relit.exr")
+    whole = relume.Rig.loads(text)
+    whole.gbuffer.file, whole.output.type = str(gbuffer), "float"
+    whole.save(rig)
+    command("relight", "--rig", rig, "-o", folder / "relit.exr")
     of_command = beauty(folder / "relit.exr")
-    of_python = relume.relight(gbuffer, rig)["beauty"]
-    assert same_bits(of_command, of_python)
+    assert same_bits(relume.relight(gbuffer, rig)["beauty"], of_command)
+    assert same_bits(openimageio(rig), of_command)
+    for context in ("generator", "filter", "general"):
+        assert same_bits(openfx(rig, context), of_command), context
 
     scene = materials.empty_scene(32, 18)
     assert bpy.ops.relume.load_rig(filepath=str(rig)) == {"FINISHED"}
