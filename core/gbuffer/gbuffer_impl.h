@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -90,6 +91,13 @@ struct CryptoLayer {
     std::map<std::string, std::uint32_t> manifest;
 };
 
+/// A look that detection takes at pixels: at which, and a hash of what it saw.
+struct Look {
+    std::vector<int> raws;
+    bool dense = false;
+    std::array<std::uint64_t, 2> seen{};
+};
+
 /// Where view directions come from.
 enum class ViewSource : std::uint8_t {
     camera,  ///< Impl::view_camera
@@ -130,6 +138,10 @@ struct GBuffer::Impl {
     std::array<double, 12> to_world{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
     std::vector<std::string> notes;
+
+    // While a frame in memory is being understood.
+    std::function<void(std::string_view, int)> fill_row;  ///< as in MemoryFrame
+    std::vector<gbuffer::Look>* looks = nullptr;          ///< where they are noted
 
     bool in_memory() const { return files.empty(); }
     /// By its semantic name, else by the name of its layer, in any spelling.

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gbuffer/planes.h"
+#include "gbuffer/understood_frames.h"
 #include "threads/workers.h"
 
 namespace relume::gbuffer {
@@ -99,6 +100,8 @@ void sample_band(const GBuffer::Impl& impl, std::span<const int> raws, std::span
             row.planes[k].resize(width);
             const RawPlane& raw = impl.raws[static_cast<std::size_t>(raws[k])];
             const bool memory = raw.memory.data != nullptr;
+            if (impl.fill_row && (k == 0 || raw.name != impl.raws[static_cast<std::size_t>(raws[k - 1])].name))
+                impl.fill_row(raw.name, row.y);
             gather(memory ? raw.memory : planes[k], memory ? row.y - window.y : row.y - top, 0, window.width,
                    row.planes[k].data());
         }
@@ -126,6 +129,7 @@ std::vector<SampledRow> sample_rows(const GBuffer::Impl& impl, std::span<const i
         sample_band(impl, raws, std::span(rows).subspan(first, last - first),
                     std::span(result).subspan(first, last - first));
     });
+    if (impl.looks) impl.looks->push_back({{raws.begin(), raws.end()}, dense, hash_of(result)});
     return result;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "clip_image.h"
+#include "relume/image.h"
 
 namespace relume::ofx {
 

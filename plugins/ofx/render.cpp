@@ -53,7 +53,7 @@ void render_clips(const Instance& instance, const NodeRig& node, const RenderArg
         return;
     }
     run_abortable(instance.effect(), [&](const std::atomic<bool>& cancel) {
-        const GBuffer gbuffer = clips.understand(cancel);
+        const GBuffer gbuffer = clips.understand(part, cancel);
         const Rig rig = complete_rig(node, gbuffer);
         const Window region = clips.grid().window(part);
         if (part.x1 != output.window().x1 || part.x2 != output.window().x2 || part.y1 != output.window().y1 ||

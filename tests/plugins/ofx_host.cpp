@@ -70,6 +70,7 @@ float Picture::at(int x, int y, int component) const {
 }
 
 Clip::Clip(Host* owner) : host(owner), properties(owner) {}
+Clip::~Clip() = default;
 
 OfxRectD Clip::region(double time) const {
     if (region_of_definition) return *region_of_definition;

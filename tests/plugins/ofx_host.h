@@ -80,8 +80,11 @@ struct Picture {
     float at(int x, int y, int component) const;  ///< 0 outside
 };
 
+struct Image;
+
 struct Clip {
     explicit Clip(Host* owner);
+    ~Clip();
     Host* host;
     std::string name;
     PropertySet properties;
@@ -94,9 +97,13 @@ struct Clip {
     int padding = 0;        ///< bytes after each row
     bool top_down = false;  ///< negative row bytes
     int margin = 0;         ///< pixels that the image has beyond what it must
+    /// Where it is set, this image is handed out each time, as hosts do that keep what they have: the same memory.
+    std::unique_ptr<Image> lasting;
     std::atomic<int> fetched{0};
 
     OfxRectD region(double time) const;
+    /// The image of a time and scale, new.
+    std::unique_ptr<Image> image(double time, double scale) const;
 };
 
 /// An image that a clip gave: memory with a margin on every side that nobody may touch.
@@ -157,7 +164,8 @@ public:
     // Images that the node has and has to give back.
     std::mutex images_mutex;
     std::map<Image*, std::unique_ptr<Image>> images;
-    std::vector<std::string> dialogs;  ///< of the message suite
+    std::multiset<OfxPropertySetHandle> lent;  ///< of the images that last
+    std::vector<std::string> dialogs;          ///< of the message suite
 
     /// Where the output of this thread's render goes.
     static thread_local Image* output;

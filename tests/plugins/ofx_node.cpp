@@ -8,7 +8,8 @@
 
 namespace relume::ofx::test {
 
-Binary::Binary() {
+Binary::Binary(OfxPlugin* own) : plugin_(own) {
+    if (own != nullptr) return;
     library_ = dlopen(RELUME_OFX_BINARY, RTLD_LAZY | RTLD_LOCAL);
     if (library_ == nullptr) throw std::runtime_error(dlerror());
     const auto count = reinterpret_cast<int (*)()>(symbol("OfxGetNumberOfPlugins"));
@@ -17,7 +18,9 @@ Binary::Binary() {
     plugin_ = get(0);
 }
 
-Binary::~Binary() { dlclose(library_); }
+Binary::~Binary() {
+    if (library_ != nullptr) dlclose(library_);
+}
 
 void* Binary::symbol(const char* name) const {
     void* found = dlsym(library_, name);
@@ -25,7 +28,7 @@ void* Binary::symbol(const char* name) const {
     return found;
 }
 
-Node::Node(Host& host, const char* context) : host_(host), context_(context) {
+Node::Node(Host& host, const char* context, OfxPlugin* own) : host_(host), binary_(own), context_(context) {
     binary_.plugin()->setHost(host.abi());
     loaded_ = act(name::kActionLoad, nullptr);
     if (context_.empty() || loaded_ != kOk) return;

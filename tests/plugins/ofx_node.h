@@ -8,7 +8,8 @@ namespace relume::ofx::test {
 /// The bundle's binary, opened as hosts open it.
 class Binary {
 public:
-    Binary();
+    /// `own`: a plugin of this program, where nothing is opened.
+    explicit Binary(OfxPlugin* own = nullptr);
     ~Binary();
     Binary(const Binary&) = delete;
     Binary& operator=(const Binary&) = delete;
@@ -33,8 +34,8 @@ struct RenderJob {
 /// The node, loaded, described and with one instance.
 class Node {
 public:
-    /// Loads; `context` "" leaves it there.
-    Node(Host& host, const char* context);
+    /// Loads; `context` "" leaves it there. `own` as for Binary.
+    Node(Host& host, const char* context, OfxPlugin* own = nullptr);
     ~Node();
     Node(const Node&) = delete;
     Node& operator=(const Node&) = delete;
