@@ -15,6 +15,7 @@
 
 #include "gbuffer/channel_rules.h"
 #include "gbuffer/layers.h"
+#include "gbuffer/row_hash.h"
 #include "io/exr.h"
 #include "relume/gbuffer.h"
 
@@ -95,7 +96,7 @@ struct CryptoLayer {
 struct Look {
     std::vector<int> raws;
     bool dense = false;
-    std::array<std::uint64_t, 2> seen{};
+    Hash seen{};
 };
 
 /// Where view directions come from.

@@ -3,50 +3,13 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
-#include <cstring>
 #include <list>
 #include <mutex>
 #include <vector>
 
+#include "gbuffer/sampling.h"
+
 namespace relume {
-
-namespace gbuffer {
-
-/// Two times 64 bits of the sampled numbers. A lane takes each word by a bijection, so one changed number always shows
-/// in its lane.
-std::array<std::uint64_t, 2> hash_of(std::span<const SampledRow> rows) {
-    constexpr std::uint64_t kFactor = 0x9E3779B97F4A7C15, kOther = 0xD6E8FEB86659FD93;
-    std::array<std::uint64_t, 4> lanes{1, 2, 3, 4};
-    const auto take = [](std::uint64_t lane, std::uint64_t word) { return std::rotl(lane ^ word, 29) * kFactor; };
-    for (const SampledRow& row : rows) {
-        for (const std::vector<float>& plane : row.planes) {
-            const auto* data = reinterpret_cast<const std::byte*>(plane.data());
-            const std::size_t bytes = plane.size() * sizeof(float);
-            std::size_t at = 0;
-            for (; at + 32 <= bytes; at += 32) {
-                std::array<std::uint64_t, 4> words{};
-                std::memcpy(words.data(), data + at, 32);
-                for (std::size_t k = 0; k < 4; ++k) lanes[k] = take(lanes[k], words[k]);
-            }
-            for (; at < bytes; at += sizeof(float)) {
-                std::uint32_t word = 0;
-                std::memcpy(&word, data + at, sizeof word);
-                lanes[at / sizeof(float) % 4] = take(lanes[at / sizeof(float) % 4], word);
-            }
-        }
-    }
-    const auto mix = [](std::uint64_t a, std::uint64_t b) {
-        std::uint64_t h = (a ^ std::rotl(b * kOther, 31)) * kFactor;
-        h ^= h >> 32;
-        h *= kOther;
-        return h ^ (h >> 29);
-    };
-    return {mix(mix(lanes[0], lanes[1]), mix(lanes[2], lanes[3])),
-            mix(mix(lanes[3], lanes[1]), mix(lanes[2], lanes[0]))};
-}
-
-}  // namespace gbuffer
 
 namespace {
 
@@ -63,8 +26,7 @@ public:
         const auto same = [&](const Look& look) { return look.raws == past.raws && look.dense == past.dense; };
         const auto known = std::find_if(looks_.begin(), looks_.end(), same);
         if (known != looks_.end()) return known->seen == past.seen;
-        looks_.push_back(
-            {past.raws, past.dense, gbuffer::hash_of(gbuffer::sample_rows(frame_, past.raws, 0, past.dense))});
+        looks_.push_back({past.raws, past.dense, gbuffer::hash_of_rows(frame_, past.raws, 0, past.dense)});
         return looks_.back().seen == past.seen;
     }
 

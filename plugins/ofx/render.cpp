@@ -15,6 +15,7 @@
 #include "relight_picture.h"
 #include "relume/error.h"
 #include "resample.h"
+#include "threads/workers.h"
 
 namespace relume::ofx {
 
@@ -87,13 +88,17 @@ void render_file(const Instance& instance, const NodeRig& node, const std::strin
     if (is_empty(window)) return;
     const OfxRectD origin = project_format(instance).value_or(OfxRectD{});
     const Placement place = placement(*frame, a.scale_x, a.scale_y, output_aspect(instance), origin.x1, origin.y1);
-    // Bands, so that a stop is heard.
     constexpr int kBandRows = 64;
-    for (int y = window.y1; y < window.y2; y += kBandRows) {
-        if (aborted(instance.effect())) throw Error(ErrorKind::cancelled, "cancelled");
-        const OfxRectI band{window.x1, y, window.x2, std::min(window.y2, y + kBandRows)};
-        output.store(band, resample(*frame, place, band));
-    }
+    run_abortable(instance.effect(), [&](const std::atomic<bool>& cancel) {
+        const int bands = (window.y2 - window.y1 + kBandRows - 1) / kBandRows;
+        parallel_for(bands, default_threads(), &cancel, [&](int, int k) {
+            const int y = window.y1 + k * kBandRows;
+            const OfxRectI band{window.x1, y, window.x2, std::min(window.y2, y + kBandRows)};
+            const bool straight = place.is_identity() && output.holds_floats();
+            if (straight) copy_rows(*frame, place, band, output.at(band.x1, band.y2 - 1), output.row_bytes());
+            else output.store(band, resample(*frame, place, band));
+        });
+    });
 }
 
 /// What the file of the node defines, canonical; nothing where it cannot be read, which the render says.

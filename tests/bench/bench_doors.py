@@ -2,7 +2,8 @@
 """./dev bench doors: what a host's door costs over the core, for the frame of bench_files.py.
 
 The core: understanding the G-buffer and relighting it into memory, plus one copy of the picture. OpenImageIO: opening
-the rig and reading the picture, each time with another exposure, so that nothing is there already.
+the rig and reading the picture, each time with another exposure, so that nothing is there already. OpenFX: the node in
+our test host, by clips in the host's memory and by the file, against the core on the same (tests/plugins/ofx_bench.cpp).
 """
 
 from __future__ import annotations
@@ -51,6 +52,28 @@ def openimageio(rig_path: str, repeats: int) -> float:
     return best
 
 
+def report(what: str, seconds: float, core_seconds: float) -> None:
+    """A door's row, as a share of the core's time."""
+    share = seconds / core_seconds
+    met = "" if share <= 1.15 else "  MISSED"
+    print(f"  {share:6.2f} of that {what}, {1e3 * seconds:.0f} ms (bar ≤ 1.15){met}")
+
+
+def openfx(rig: Path, exr: Path, repeats: int) -> None:
+    """The rows of the node."""
+    program = bench_files.ROOT / "build" / "release" / "tests" / "plugins" / "relume_ofx_bench"
+    if not program.exists():
+        sys.exit(f"bench: {program} was not built")
+    seconds = bench_files.run_json([str(program), str(rig), str(exr), str(repeats)], "openfx")
+    clips, file = seconds["clips"], seconds["file"]
+    print(f"from six float RGBA clips in memory: the core and a copy {1e3 * clips['core']:.0f} ms")
+    report("through OpenFX, in one render", clips["frame"], clips["core"])
+    report("through OpenFX, in tiles of 256 rows", clips["tiles"], clips["core"])
+    print(f"from the EXR: the core and a copy {1e3 * file['core']:.0f} ms")
+    report("through OpenFX", file["frame"], file["core"])
+    print(f"  {file['again'] / file['core']:6.2f} of that when a knob was turned, {1e3 * file['again']:.0f} ms")
+
+
 def run(repeats: int) -> None:
     """Prints figures and bars."""
     from relume.hosts import oiio_plugin
@@ -71,9 +94,8 @@ def run(repeats: int) -> None:
         for name in ("core", "openimageio")
     }
     print(f"3840×2160, 16 lights, float, {threads} threads: the core and a copy {1e3 * seconds['core']:.0f} ms")
-    share = seconds["openimageio"] / seconds["core"]
-    met = "" if share <= 1.15 else "  MISSED"
-    print(f"  {share:6.2f} of that through OpenImageIO, {1e3 * seconds['openimageio']:.0f} ms (bar ≤ 1.15){met}")
+    report("through OpenImageIO", seconds["openimageio"], seconds["core"])
+    openfx(rig, exr, repeats)
 
 
 if __name__ == "__main__":

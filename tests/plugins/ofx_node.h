@@ -70,6 +70,8 @@ public:
 
     /// Renders into a new image whose pixels are first set to 0.25; `image` is it.
     OfxStatus render(const RenderJob& job, std::unique_ptr<Image>& image);
+    /// Renders into an image that is there.
+    OfxStatus render_into(const RenderJob& job, Image& image);
     std::optional<OfxRectD> region_of_definition(double time = 0, double scale = 1);
     std::map<std::string, OfxRectD> regions_of_interest(const OfxRectD& wanted, double time = 0);
     PropertySet clip_preferences();
