@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "file_frames.h"
 
-#include <sys/stat.h>
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -27,10 +25,18 @@ constexpr std::size_t kMostUnderstood = 8;
 /// A file that is being written while it is read is read again, not for ever.
 constexpr int kTries = 3;
 
-std::vector<FileState> states_of(const std::vector<FileState>& files) {
-    std::vector<FileState> now;
-    for (const FileState& file : files) now.push_back(FileState::of(file.path));
+std::vector<io::FileState> states_of(const std::vector<io::FileState>& files) {
+    std::vector<io::FileState> now;
+    for (const io::FileState& file : files) now.push_back(io::FileState::of(file.path));
     return now;
+}
+
+/// The files that a rig and G-buffer are made of, as they are now.
+std::vector<io::FileState> input_states(const std::filesystem::path& path, Rig rig) {
+    rig.gbuffer_file = path.string();
+    std::vector<io::FileState> states;
+    for (const std::filesystem::path& file : rig.input_files()) states.push_back(io::FileState::of(file));
+    return states;
 }
 
 /// Understood files, the latest first. They hold no pixels, but an open file each.
@@ -75,14 +81,10 @@ Frames& frames() {
 
 /// Everything that the pixels depend on.
 std::string key_of(const std::filesystem::path& path, const NodeRig& node) {
-    std::string key = FileState::of(path).text();
-    for (const auto& [name, rule] : node.rig.gbuffer.channels)
-        if (rule.channel) key += FileState::of(*rule.channel).text();
     Rig rig = node.rig;
     if (!node.shader.use.empty()) rig.shaders.push_back(node.shader);
-    for (const ShaderUse& use : rig.shaders)
-        for (const auto& [name, value] : use.values.all())
-            if (const auto* file = std::get_if<std::string>(&value)) key += FileState::of(*file).text();
+    std::string key;
+    for (const io::FileState& state : input_states(path, rig)) key += state.key();
     return key + node.picture + (node.override_channels ? "\n!\n" : "\n?\n") + rig.to_toml();
 }
 
@@ -170,26 +172,9 @@ void join_threads(bool every) {
 
 }  // namespace
 
-FileState FileState::of(const std::filesystem::path& path) {
-    FileState state;
-    state.path = path;
-    struct stat info {};
-    if (::stat(path.c_str(), &info) != 0) return state;
-    state.size = info.st_size;
-    state.seconds = info.st_mtim.tv_sec;
-    state.nanoseconds = info.st_mtim.tv_nsec;
-    state.inode = info.st_ino;
-    return state;
-}
-
-std::string FileState::text() const {
-    return path.string() + " " + std::to_string(size) + " " + std::to_string(seconds) + "." +
-           std::to_string(nanoseconds) + " " + std::to_string(inode) + "\n";
-}
-
 std::string gbuffer_file(const Instance& instance, const NodeRig& node) {
     if (!node.gbuffer_file.empty()) return node.gbuffer_file;
-    return node.rig.gbuffer_file && !has_normal_clip(instance) ? *node.rig.gbuffer_file : std::string();
+    return has_normal_clip(instance) ? std::string() : node.rig.main_file().value_or("");
 }
 
 std::shared_ptr<const FileGBuffer> understand_file(const std::filesystem::path& path, const GBufferOptions& options,
@@ -211,10 +196,9 @@ std::shared_ptr<const FileGBuffer> understand_file(const std::filesystem::path& 
         }
     }
     // The state is from before the reading: what changes meanwhile shows.
-    std::vector<FileState> files{FileState::of(path)};
-    for (const auto& [name, rule] : options.channels)
-        if (rule.channel)
-            if (const FileState state = FileState::of(*rule.channel); state.size >= 0) files.push_back(state);
+    Rig inputs;
+    inputs.gbuffer = options;
+    std::vector<io::FileState> files = input_states(path, std::move(inputs));
     GBuffer gbuffer = GBuffer::read(path, options);
     if (keep) gbuffer.keep_pixels(static_cast<std::int64_t>(cache_budget()));
     auto file = std::make_shared<const FileGBuffer>(FileGBuffer{std::move(gbuffer), std::move(files)});

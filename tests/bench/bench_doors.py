@@ -3,7 +3,7 @@
 
 The core: understanding the G-buffer and relighting it into memory, plus one copy of the picture. OpenImageIO: opening
 the rig and reading the picture, each time with another exposure, so that nothing is there already. OpenFX: the node in
-our test host, by clips in the host's memory and by the file, against the core on the same (tests/plugins/ofx_bench.cpp).
+our test host, by clips in its memory and by the file, against the core on the same (tests/plugins/ofx_bench.cpp).
 """
 
 from __future__ import annotations
