@@ -7,8 +7,9 @@
 
 namespace relume::io {
 
-/// A file as it is when it is looked at; whatever changes it later makes another. Its times alone are as coarse as the
-/// kernel's tick, and may be set back; the time of its last change of any kind may not.
+/// A file as it is when it is looked at; whatever changes it later makes another. The time of its contents may be set
+/// back, that of its last change of any kind may not. A file that was written just now is waited for, a few
+/// milliseconds, until a further change would show in its times.
 struct FileState {
     std::filesystem::path path;
     std::int64_t size = -1;  ///< −1: not there

@@ -88,32 +88,41 @@ std::string key_of(const std::filesystem::path& path, const NodeRig& node) {
     return key + node.picture + (node.override_channels ? "\n!\n" : "\n?\n") + rig.to_toml();
 }
 
+std::shared_ptr<const FileFrame> relight_understood(const GBuffer& gbuffer, const NodeRig& node,
+                                                    const std::atomic<bool>& cancel) {
+    auto frame = std::make_shared<FileFrame>();
+    frame->data_window = gbuffer.data_window();
+    frame->display_window = gbuffer.display_window();
+    frame->aspect = static_cast<double>(gbuffer.pixel_aspect());
+    const auto width = static_cast<std::size_t>(frame->data_window.width);
+    frame->size = 4 * width * static_cast<std::size_t>(frame->data_window.height);
+    // Not cleared: that would be one thread's work, and as long as the relight.
+    frame->rgba = std::make_unique_for_overwrite<float[]>(frame->size);
+    auto* data = reinterpret_cast<std::byte*>(frame->rgba.get());
+    const auto y_stride = static_cast<std::ptrdiff_t>(16 * width);
+    std::vector<Plane> planes;
+    for (std::ptrdiff_t k = 0; k < 4; ++k) planes.push_back({data + 4 * k, PixelType::float32, 16, y_stride});
+    relight_picture(gbuffer, complete_rig(node, gbuffer), node.picture, frame->data_window, planes, cancel);
+    return frame;
+}
+
 std::shared_ptr<const FileFrame> relight_once(const std::filesystem::path& path, const NodeRig& node,
                                               const std::atomic<bool>& cancel) {
     for (int attempt = 1;; ++attempt) {
-        const std::shared_ptr<const FileGBuffer> file = understand_file(path, node.rig.gbuffer, true);
-        if (cancel) throw Error(ErrorKind::cancelled, "cancelled");
-        const GBuffer& gbuffer = file->gbuffer;
-        auto frame = std::make_shared<FileFrame>();
-        frame->data_window = gbuffer.data_window();
-        frame->display_window = gbuffer.display_window();
-        frame->aspect = static_cast<double>(gbuffer.pixel_aspect());
+        std::vector<io::FileState> before = input_states(path, node.rig);
+        std::shared_ptr<const FileFrame> frame;
         std::exception_ptr failure;
         try {
-            const auto width = static_cast<std::size_t>(frame->data_window.width);
-            frame->size = 4 * width * static_cast<std::size_t>(frame->data_window.height);
-            // Not cleared: that would be one thread's work, and as long as the relight.
-            frame->rgba = std::make_unique_for_overwrite<float[]>(frame->size);
-            auto* data = reinterpret_cast<std::byte*>(frame->rgba.get());
-            const auto y_stride = static_cast<std::ptrdiff_t>(16 * width);
-            std::vector<Plane> planes;
-            for (std::ptrdiff_t k = 0; k < 4; ++k) planes.push_back({data + 4 * k, PixelType::float32, 16, y_stride});
-            relight_picture(gbuffer, complete_rig(node, gbuffer), node.picture, frame->data_window, planes, cancel);
+            const std::shared_ptr<const FileGBuffer> file = understand_file(path, node.rig.gbuffer, true);
+            if (cancel) throw Error(ErrorKind::cancelled, "cancelled");
+            before = file->files;
+            frame = relight_understood(file->gbuffer, node, cancel);
         } catch (...) {
             failure = std::current_exception();
         }
         if (cancel) throw Error(ErrorKind::cancelled, "cancelled");
-        if (states_of(file->files) == file->files) {
+        // Whatever came of a file that has changed meanwhile, picture or error, is not to be trusted.
+        if (states_of(before) == before) {
             if (failure) std::rethrow_exception(failure);
             return frame;
         }
@@ -228,8 +237,20 @@ std::shared_ptr<const FileFrame> relight_file(const Instance& instance, const st
     if (!job) {
         job = std::make_shared<Job>();
         job->key = key;
-        all.threads.emplace_back(job, std::thread(run, job, path, node));
+        // Whatever of this there is no memory for leaves nothing behind.
         all.jobs.push_front(job);
+        try {
+            all.threads.emplace_back(job, std::thread());
+            try {
+                all.threads.back().second = std::thread(run, job, path, node);
+            } catch (...) {
+                all.threads.pop_back();
+                throw;
+            }
+        } catch (...) {
+            all.jobs.pop_front();
+            throw;
+        }
     }
     ++job->waiting;
     bool stop = false;

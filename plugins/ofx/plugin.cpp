@@ -91,6 +91,11 @@ OfxStatus main_entry(const char* action, const void* handle, OfxPropertySetHandl
     try {
         return act(action, effect, Properties(in), Properties(out));
     } catch (const std::bad_alloc&) {
+        try {
+            if (host().effect && effect) show_error(effect, "Relume: there is not enough memory for this frame");
+        } catch (...) {
+            return kErrMemory;
+        }
         return kErrMemory;
     } catch (const std::exception& error) {
         try {

@@ -140,9 +140,10 @@ struct Effect {
 };
 
 struct HostOptions {
-    std::set<std::string> missing_suites{};      ///< "OfxMessageSuite"; with version: "OfxMessageSuite 2"
-    std::set<std::string> null_members{};        ///< "abort", "clipGetRegionOfDefinition", …
-    std::set<std::string> unknown_properties{};  ///< that no set has
+    std::set<std::string> missing_suites{};       ///< "OfxMessageSuite"; with version: "OfxMessageSuite 2"
+    std::map<std::string, int> suite_versions{};  ///< suites that are there in this version alone
+    std::set<std::string> null_members{};         ///< "abort", "clipGetRegionOfDefinition", …
+    std::set<std::string> unknown_properties{};   ///< that no set has
     std::string name = "org.relume.testhost";
     bool complain = true;  ///< about properties that are not known; off for hosts that lack some on purpose
 };

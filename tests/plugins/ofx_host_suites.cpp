@@ -82,7 +82,7 @@ OfxStatus clip_image(OfxImageClipHandle handle, OfxTime time, const OfxRectD*, O
     ++clip.fetched;
     if (clip.name == name::kClipOutput) {
         Image* image = clip.host->output;
-        if (image == nullptr) return kFailed;
+        if (image == nullptr || !clip.has_image) return kFailed;
         *result = image->properties.handle();
         return kOk;
     }
