@@ -45,6 +45,14 @@ OutputImage fetch_output(const Instance& instance, const RenderArguments& a) {
     return {std::move(*image), a.window};
 }
 
+/// Whether a tile is so small, and each band of it so quick, that the bands are often enough to ask the host.
+bool is_short(const OfxRectI& part, const Rig& rig) {
+    constexpr std::int64_t kPixels = 1'500'000, kLitPixelsOfABand = 4'000'000, kRowsOfABand = 16;
+    const std::int64_t width = part.x2 - part.x1;
+    return width * (part.y2 - part.y1) <= kPixels &&
+           width * kRowsOfABand * static_cast<std::int64_t>(rig.lights.size() + 1) <= kLitPixelsOfABand;
+}
+
 void render_clips(const Instance& instance, const NodeRig& node, const RenderArguments& a) {
     ClipGBuffer clips(instance, a.time, a.scale_x, a.scale_y, node.rig.gbuffer);
     OutputImage output = fetch_output(instance, a);
@@ -53,7 +61,7 @@ void render_clips(const Instance& instance, const NodeRig& node, const RenderArg
         output.clear(output.window());
         return;
     }
-    run_abortable(instance.effect(), [&](const std::atomic<bool>& cancel) {
+    const auto work = [&](const std::atomic<bool>& cancel, const std::function<void()>& ask) {
         const GBuffer gbuffer = clips.understand(part, cancel);
         const Rig rig = complete_rig(node, gbuffer);
         const Window region = clips.grid().window(part);
@@ -61,7 +69,7 @@ void render_clips(const Instance& instance, const NodeRig& node, const RenderArg
             part.y2 != output.window().y2)
             output.clear(output.window());
         if (const std::vector<Plane> planes = output.planes(part); !planes.empty()) {
-            relight_picture(gbuffer, rig, node.picture, region, planes, cancel);
+            relight_picture(gbuffer, rig, node.picture, region, planes, cancel, ask);
             return;
         }
         const auto width = static_cast<std::size_t>(region.width);
@@ -70,9 +78,11 @@ void render_clips(const Instance& instance, const NodeRig& node, const RenderArg
         for (std::size_t k = 0; k < 4; ++k)
             planes.push_back({reinterpret_cast<std::byte*>(rgba.data() + k), PixelType::float32, 16,
                               static_cast<std::ptrdiff_t>(16 * width)});
-        relight_picture(gbuffer, rig, node.picture, region, planes, cancel);
+        relight_picture(gbuffer, rig, node.picture, region, planes, cancel, ask);
         output.store(part, rgba);
-    });
+    };
+    if (is_short(part, node.rig)) run_abortable_here(instance.effect(), work);
+    else run_abortable(instance.effect(), [&](const std::atomic<bool>& cancel) { work(cancel, {}); });
 }
 
 double output_aspect(const Instance& instance) {
