@@ -92,8 +92,8 @@ public:
             by_file_.set("overrides", "");
         }
         for (const std::string& complaint : host_.complaints()) throw std::runtime_error(complaint);
-        std::printf("{\"clips\": {\"core\": %.6f, \"frame\": %.6f, \"tiles\": %.6f},\n", core_memory, whole, tiles);
-        std::printf(" \"file\": {\"core\": %.6f, \"frame\": %.6f, \"again\": %.6f}}\n", core_file, from_file, again);
+        std::printf("{\"clips\": {\"core\": %.6f, \"frame\": %.6f, \"tiles\": %.6f}, ", core_memory, whole, tiles);
+        std::printf("\"file\": {\"core\": %.6f, \"frame\": %.6f, \"again\": %.6f}}\n", core_file, from_file, again);
     }
 
 private:
