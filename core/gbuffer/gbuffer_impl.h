@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "gbuffer/channel_rules.h"
 #include "gbuffer/kept_channels.h"
 #include "gbuffer/layers.h"
+#include "gbuffer/row_hash.h"
 #include "io/exr.h"
 #include "relume/gbuffer.h"
 
@@ -91,6 +93,13 @@ struct CryptoLayer {
     std::map<std::string, std::uint32_t> manifest;
 };
 
+/// A look that detection takes at pixels: at which, and a hash of what it saw.
+struct Look {
+    std::vector<int> raws;
+    bool dense = false;
+    Hash seen{};
+};
+
 /// Where view directions come from.
 enum class ViewSource : std::uint8_t {
     camera,  ///< Impl::view_camera
@@ -133,6 +142,10 @@ struct GBuffer::Impl {
     std::vector<std::string> notes;
 
     std::shared_ptr<gbuffer::KeptChannels> kept;  ///< of files, where channels are kept
+
+    // While a frame in memory is being understood.
+    std::function<void(std::string_view, int)> fill_row;  ///< as in MemoryFrame
+    std::vector<gbuffer::Look>* looks = nullptr;          ///< where they are noted
 
     bool in_memory() const { return files.empty(); }
     /// By its semantic name, else by the name of its layer, in any spelling.

@@ -4,6 +4,8 @@
 
 #include "gbuffer/gbuffer_impl.h"
 #include "gbuffer/names.h"
+#include "gbuffer/pixel_steps.h"
+#include "gbuffer/understood_frames.h"
 #include "relume/error.h"
 
 namespace relume {
@@ -12,6 +14,8 @@ namespace {
 
 using gbuffer::Quantity;
 using gbuffer::Semantic;
+
+static_assert(MemoryFrame::kReach >= gbuffer::kRepairReach);
 
 Quantity quantity_of(const std::string& name, std::size_t planes) {
     if (name == "view") return Quantity::direction;
@@ -38,16 +42,9 @@ void check_planes(const std::string& name, const MemoryChannel& channel, Quantit
     }
 }
 
-}  // namespace
-
-GBuffer GBuffer::from_memory(int width, int height, const std::map<std::string, MemoryChannel>& channels,
-                             const GBufferOptions& options) {
-    const Window window{0, 0, width, height};
-    return from_memory(MemoryFrame{window, window}, channels, options);
-}
-
-GBuffer GBuffer::from_memory(const MemoryFrame& frame, const std::map<std::string, MemoryChannel>& channels,
-                             const GBufferOptions& options) {
+/// The frame as it is said to be, before anybody has looked at pixels.
+std::unique_ptr<GBuffer::Impl> set_up(const MemoryFrame& frame, const std::map<std::string, MemoryChannel>& channels,
+                                      const GBufferOptions& options) {
     const int width = frame.data_window.width, height = frame.data_window.height;
     if (width < 0 || height < 0) {
         throw Error(ErrorKind::value,
@@ -60,7 +57,7 @@ GBuffer GBuffer::from_memory(const MemoryFrame& frame, const std::map<std::strin
     if (!(frame.pixel_aspect > 0) || !std::isfinite(frame.pixel_aspect)) {
         throw Error(ErrorKind::value, "G-buffer in memory: a pixel aspect of " + std::to_string(frame.pixel_aspect));
     }
-    auto impl = std::make_unique<Impl>();
+    auto impl = std::make_unique<GBuffer::Impl>();
     impl->data_window = frame.data_window;
     impl->display_window = frame.display_window.empty() ? frame.data_window : frame.display_window;
     impl->pixel_aspect = frame.pixel_aspect;
@@ -144,8 +141,29 @@ GBuffer GBuffer::from_memory(const MemoryFrame& frame, const std::map<std::strin
         throw Error(ErrorKind::channel,
                     "G-buffer in memory: no normal channel; given are " + (names.empty() ? "none" : names));
     }
+    impl->fill_row = frame.fill_row;
+    return impl;
+}
+
+}  // namespace
+
+GBuffer GBuffer::from_memory(int width, int height, const std::map<std::string, MemoryChannel>& channels,
+                             const GBufferOptions& options) {
+    const Window window{0, 0, width, height};
+    return from_memory(MemoryFrame{window, window}, channels, options);
+}
+
+GBuffer GBuffer::from_memory(const MemoryFrame& frame, const std::map<std::string, MemoryChannel>& channels,
+                             const GBufferOptions& options) {
+    std::unique_ptr<Impl> impl = set_up(frame, channels, options);
     gbuffer::finish(*impl, options, 1);
+    impl->fill_row = nullptr;
     return GBuffer(std::move(impl));
+}
+
+GBuffer GBuffer::from_memory(const MemoryFrame& frame, const std::map<std::string, MemoryChannel>& channels,
+                             const GBufferOptions& options, UnderstoodFrames& known) {
+    return GBuffer(gbuffer::understand_once(set_up(frame, channels, options), channels, options, *known.impl_));
 }
 
 }  // namespace relume

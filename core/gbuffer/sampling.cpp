@@ -69,6 +69,50 @@ std::vector<int> choose_rows(const Window& window, int chunk, bool in_memory, bo
     return rows;
 }
 
+/// Row y of the k-th plane, where somebody has to fill it first.
+void fill(const GBuffer::Impl& impl, std::span<const int> raws, std::size_t k, int y) {
+    const auto name = [&](std::size_t i) -> const std::string& {
+        return impl.raws[static_cast<std::size_t>(raws[i])].name;
+    };
+    if (impl.fill_row && (k == 0 || name(k) != name(k - 1))) impl.fill_row(name(k), y);
+}
+
+/// Whether rows of a plane can be hashed where they stand.
+bool is_dense(const ConstPlane& plane) {
+    constexpr std::ptrdiff_t kWidestPixel = 16;
+    return plane.x_stride >= static_cast<std::ptrdiff_t>(size_of(plane.type)) && plane.x_stride <= kWidestPixel;
+}
+
+/// Components that stand side by side in memory: planes from `first` on, `bytes` of each row.
+struct Strip {
+    ConstPlane first;
+    std::size_t bytes = 0;
+};
+
+/// What the planes cover, each byte once, in the planes' order wherever their memory lies. What stands between two of
+/// them counts too: it lies in the same cache lines.
+std::vector<Strip> strips_of(const GBuffer::Impl& impl, std::span<const int> raws) {
+    std::vector<Strip> strips;
+    for (const int raw : raws) {
+        const ConstPlane& plane = impl.raws[static_cast<std::size_t>(raw)].memory;
+        const auto row = static_cast<std::size_t>((impl.data_window.width - 1) * plane.x_stride) + size_of(plane.type);
+        const auto is_beside = [&](const Strip& strip) {
+            const std::ptrdiff_t step = plane.data - strip.first.data;
+            return is_dense(plane) && plane.x_stride == strip.first.x_stride &&
+                   plane.y_stride == strip.first.y_stride && step > -plane.x_stride && step < plane.x_stride;
+        };
+        const auto at = std::find_if(strips.begin(), strips.end(), is_beside);
+        if (at == strips.end()) {
+            strips.push_back({plane, row});
+            continue;
+        }
+        const std::byte* end = std::max(at->first.data + at->bytes, plane.data + row);
+        if (plane.data < at->first.data) at->first = plane;
+        at->bytes = static_cast<std::size_t>(end - at->first.data);
+    }
+    return strips;
+}
+
 /// Neighbouring `rows` of some planes, one SampledRow each.
 void sample_band(const GBuffer::Impl& impl, std::span<const int> raws, std::span<const int> rows,
                  std::span<SampledRow> result) {
@@ -99,6 +143,7 @@ void sample_band(const GBuffer::Impl& impl, std::span<const int> raws, std::span
             row.planes[k].resize(width);
             const RawPlane& raw = impl.raws[static_cast<std::size_t>(raws[k])];
             const bool memory = raw.memory.data != nullptr;
+            if (memory) fill(impl, raws, k, row.y);
             gather(memory ? raw.memory : planes[k], memory ? row.y - window.y : row.y - top, 0, window.width,
                    row.planes[k].data());
         }
@@ -126,7 +171,42 @@ std::vector<SampledRow> sample_rows(const GBuffer::Impl& impl, std::span<const i
         sample_band(impl, raws, std::span(rows).subspan(first, last - first),
                     std::span(result).subspan(first, last - first));
     });
+    if (impl.looks)
+        impl.looks->push_back({{raws.begin(), raws.end()}, dense, hash_of_rows(impl, raws, threads, dense)});
     return result;
+}
+
+Hash hash_of_rows(const GBuffer::Impl& impl, std::span<const int> raws, int threads, bool dense) {
+    const Window& window = impl.data_window;
+    if (window.empty() || raws.empty()) return {};
+    const std::vector<int> rows = choose_rows(window, 1, true, dense);
+    const std::vector<Strip> strips = strips_of(impl, raws);
+    std::vector<Hash> hashes(rows.size());
+    constexpr int kRowsAtOnce = 8;
+    const int count = static_cast<int>(rows.size());
+    const auto hash_rows = [&](int first, int last) {
+        std::vector<float> numbers;
+        for (int r = first; r < last; ++r) {
+            const int y = rows[static_cast<std::size_t>(r)];
+            for (std::size_t k = 0; k < raws.size(); ++k) fill(impl, raws, k, y);
+            RowHash hash;
+            for (const Strip& strip : strips) {
+                if (is_dense(strip.first)) {
+                    hash.take({strip.first.data + (y - window.y) * strip.first.y_stride, strip.bytes});
+                    continue;
+                }
+                numbers.resize(static_cast<std::size_t>(window.width));
+                gather(strip.first, y - window.y, 0, window.width, numbers.data());
+                hash.take(std::as_bytes(std::span(numbers)));
+            }
+            hashes[static_cast<std::size_t>(r)] = hash.value();
+        }
+    };
+    parallel_for((count + kRowsAtOnce - 1) / kRowsAtOnce, threads > 0 ? threads : default_threads(), nullptr,
+                 [&](int, int task) { hash_rows(task * kRowsAtOnce, std::min(count, (task + 1) * kRowsAtOnce)); });
+    RowHash all;
+    for (const Hash& row : hashes) all.take(std::as_bytes(std::span(row)));
+    return all.value();
 }
 
 DirectionStatistics direction_statistics(std::span<const SampledRow> rows, std::size_t first_plane) {

@@ -19,6 +19,9 @@ struct SampledRow {
 std::vector<SampledRow> sample_rows(const GBuffer::Impl& impl, std::span<const int> raws, int threads,
                                     bool dense = false);
 
+/// A hash of the memory that sample_rows takes its numbers from, of a frame in memory.
+Hash hash_of_rows(const GBuffer::Impl& impl, std::span<const int> raws, int threads, bool dense);
+
 /// Sampled rows and where in them the first plane of a channel stands; negative when there is no such channel.
 struct CameraSample {
     std::span<const SampledRow> rows;

@@ -46,4 +46,22 @@ void run_abortable(OfxImageEffectHandle effect, const std::function<void(const s
     if (cancel) throw Error(ErrorKind::cancelled, "cancelled");
 }
 
+void run_abortable_here(OfxImageEffectHandle effect,
+                        const std::function<void(const std::atomic<bool>&, const std::function<void()>&)>& work) {
+    using Clock = std::chrono::steady_clock;
+    std::atomic<bool> cancel{false};
+    const std::thread::id caller = std::this_thread::get_id();
+    Clock::time_point asked{};
+    const auto ask = [&] {
+        if (std::this_thread::get_id() != caller) return;
+        const Clock::time_point now = Clock::now();
+        if (now - asked < std::chrono::milliseconds(kAskMilliseconds)) return;
+        asked = now;
+        if (aborted(effect)) cancel = true;
+    };
+    ask();
+    if (!cancel) work(cancel, ask);
+    if (cancel) throw Error(ErrorKind::cancelled, "cancelled");
+}
+
 }  // namespace relume::ofx

@@ -13,6 +13,12 @@ namespace relume::ofx {
 /// is asked in this thread alone, the one that it called.
 void run_abortable(OfxImageEffectHandle effect, const std::function<void(const std::atomic<bool>& cancel)>& work);
 
+/// The same without another thread, for work that calls `ask` every few milliseconds, from any thread; this thread's
+/// calls are those that count. Starting threads costs a small tile more than its pixels do.
+void run_abortable_here(
+    OfxImageEffectHandle effect,
+    const std::function<void(const std::atomic<bool>& cancel, const std::function<void()>& ask)>& work);
+
 /// How often the host is asked.
 inline constexpr int kAskMilliseconds = 4;
 

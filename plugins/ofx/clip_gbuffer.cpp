@@ -111,26 +111,29 @@ void ClipGBuffer::set_grid(const Instance& instance, double time, double scale_x
     grid_.frame = pixels_of(*region, grid_);
 }
 
-GBuffer ClipGBuffer::understand(const std::atomic<bool>& cancel) {
+GBuffer ClipGBuffer::understand(const OfxRectI& part, const std::atomic<bool>& cancel) {
     std::map<std::string, MemoryChannel> channels;
+    std::map<std::string, FramePlanes*, std::less<>> planes_of;
     planes_.clear();
     planes_.reserve(inputs_.size());  // they stay where they are: the channels point into them
     for (const Input& input : inputs_) {
         if (input.clip == nullptr) {
             if (input.image.components() < 3) continue;
-            const FramePlanes& planes = planes_.emplace_back(input.image, grid_.frame, 4, false, cancel);
+            FramePlanes& planes = planes_.emplace_back(input.image, grid_.frame, 4, Numbers::values);
             for (int k = 0; k < planes.count(); ++k) channels["beauty"].planes.push_back(planes[k]);
+            planes_of["beauty"] = &planes;
             continue;
         }
         const DataClip& clip = *input.clip;
         const bool ids = !clip.semantics[1].empty();
-        FramePlanes& planes = planes_.emplace_back(input.image, grid_.frame, ids ? 3 : clip.components, ids, cancel);
-        if (ids && grid_.is_proxy()) planes.mend_ids(cancel);
+        const Numbers numbers = !ids ? Numbers::values : grid_.is_proxy() ? Numbers::blurred_ids : Numbers::ids;
+        FramePlanes& planes = planes_.emplace_back(input.image, grid_.frame, ids ? 3 : clip.components, numbers);
         int component = 0;
         for (const std::string_view semantic : clip.semantics) {
             if (semantic.empty() || component + clip.components > planes.count()) continue;
             MemoryChannel& channel = channels[std::string(semantic)];
             for (int k = 0; k < clip.components; ++k) channel.planes.push_back(planes[component++]);
+            planes_of[std::string(semantic)] = &planes;
         }
     }
     MemoryFrame frame;
@@ -139,7 +142,20 @@ GBuffer ClipGBuffer::understand(const std::atomic<bool>& cancel) {
     // A proxy may be scaled otherwise across than down.
     frame.pixel_aspect = static_cast<float>(grid_.aspect * grid_.scale_y / grid_.scale_x);
     frame.resampled = grid_.is_proxy();
-    return GBuffer::from_memory(frame, channels, options_);
+    frame.fill_row = [&](std::string_view channel, int y) {
+        if (const auto at = planes_of.find(channel); at != planes_of.end())
+            at->second->fill_row(grid_.display.y2 - 1 - y);
+    };
+    GBuffer gbuffer = GBuffer::from_memory(frame, channels, options_, understood_frames());
+    constexpr int kReach = MemoryFrame::kReach;
+    for (FramePlanes& planes : planes_)
+        planes.fill({part.x1 - kReach, part.y1 - 1, part.x2 + kReach, part.y2 + 1}, cancel);
+    return gbuffer;
+}
+
+UnderstoodFrames& understood_frames() {
+    static UnderstoodFrames all;
+    return all;
 }
 
 }  // namespace relume::ofx

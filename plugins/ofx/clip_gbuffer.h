@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <optional>
 #include <vector>
 
 #include "clip_image.h"
 #include "describe.h"
+#include "frame_planes.h"
 #include "node_rig.h"
 #include "relume/gbuffer.h"
 
@@ -27,15 +29,16 @@ struct PixelGrid {
 };
 
 /// The clips' images of one frame as a G-buffer: always the whole of what the source defines, so that what is decided
-/// from pixels (encodings, the camera) is the same for every tile. Holds the images.
+/// from pixels (encodings, the camera) is the same for every tile; it is decided once. Holds the images.
 class ClipGBuffer {
 public:
     /// Fetches the images, which asks the host. Errors: channel (no normal: names the clip).
     ClipGBuffer(const Instance& instance, double time, double scale_x, double scale_y, GBufferOptions options);
 
     const PixelGrid& grid() const { return grid_; }
-    /// Brings them to arrays and understands those, which asks nobody and takes time. The G-buffer points into this.
-    GBuffer understand(const std::atomic<bool>& cancel);
+    /// Brings them to arrays and understands those, which asks nobody and takes time, unless the frame is understood
+    /// already. The G-buffer points into this, and may be read in `part` (pixels, y up).
+    GBuffer understand(const OfxRectI& part, const std::atomic<bool>& cancel);
 
 private:
     struct Input {
@@ -49,6 +52,10 @@ private:
     std::vector<Input> inputs_;
     std::vector<FramePlanes> planes_;
 };
+
+/// The frames of clips that this process has understood. By their pixels alone: hosts give images the same name, or no
+/// name, or another name each time.
+UnderstoodFrames& understood_frames();
 
 /// Whether the Normal clip is there and has an image: then clips are what a node without a file is about.
 bool has_normal_clip(const Instance& instance);

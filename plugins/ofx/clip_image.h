@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "instance.h"
-#include "relume/image.h"
 
 namespace relume::ofx {
 
@@ -47,28 +44,8 @@ private:
     int components_ = 4;
 };
 
-/// An image's first components as planes over a rectangle of pixels, row 0 at the top: where the image stands if it is
-/// float or half and covers the rectangle, else a copy with 0 outside of the image. Bytes and shorts become 0..1, or
-/// with `whole` the whole numbers that they are. Error(cancelled) as soon as `cancel` is set.
-class FramePlanes {
-public:
-    FramePlanes(const ClipImage& image, const OfxRectI& rect, int components, bool whole,
-                const std::atomic<bool>& cancel);
-    int count() const { return static_cast<int>(planes_.size()); }
-    const ConstPlane& operator[](int component) const { return planes_[static_cast<std::size_t>(component)]; }
-
-    /// IDs that a filter has made: one that no neighbour to the side and none above or below shares gives way to the
-    /// nearest that is, else to 0.
-    void mend_ids(const std::atomic<bool>& cancel);
-
-private:
-    void copy(const ClipImage& image, const OfxRectI& rect, int components, bool whole,
-              const std::atomic<bool>& cancel);
-    void mend(int component, float* to, const std::atomic<bool>& cancel) const;
-    int width_, height_;
-    std::vector<ConstPlane> planes_;
-    std::vector<std::byte> memory_;
-};
+/// One component as stored. Bytes and shorts become 0..1, or with `whole` the whole numbers that they are.
+float number_at(const std::byte* at, Depth depth, bool whole);
 
 OfxRectI intersection(const OfxRectI& a, const OfxRectI& b);
 bool is_empty(const OfxRectI& rect);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "file_frames.h"
 
-#include <sys/stat.h>
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -27,10 +25,18 @@ constexpr std::size_t kMostUnderstood = 8;
 /// A file that is being written while it is read is read again, not for ever.
 constexpr int kTries = 3;
 
-std::vector<FileState> states_of(const std::vector<FileState>& files) {
-    std::vector<FileState> now;
-    for (const FileState& file : files) now.push_back(FileState::of(file.path));
+std::vector<io::FileState> states_of(const std::vector<io::FileState>& files) {
+    std::vector<io::FileState> now;
+    for (const io::FileState& file : files) now.push_back(io::FileState::of(file.path));
     return now;
+}
+
+/// The files that a rig and G-buffer are made of, as they are now.
+std::vector<io::FileState> input_states(const std::filesystem::path& path, Rig rig) {
+    rig.gbuffer_file = path.string();
+    std::vector<io::FileState> states;
+    for (const std::filesystem::path& file : rig.input_files()) states.push_back(io::FileState::of(file));
+    return states;
 }
 
 /// Understood files, the latest first. They hold no pixels, but an open file each.
@@ -75,43 +81,48 @@ Frames& frames() {
 
 /// Everything that the pixels depend on.
 std::string key_of(const std::filesystem::path& path, const NodeRig& node) {
-    std::string key = FileState::of(path).text();
-    for (const auto& [name, rule] : node.rig.gbuffer.channels)
-        if (rule.channel) key += FileState::of(*rule.channel).text();
     Rig rig = node.rig;
     if (!node.shader.use.empty()) rig.shaders.push_back(node.shader);
-    for (const ShaderUse& use : rig.shaders)
-        for (const auto& [name, value] : use.values.all())
-            if (const auto* file = std::get_if<std::string>(&value)) key += FileState::of(*file).text();
+    std::string key;
+    for (const io::FileState& state : input_states(path, rig)) key += state.key();
     return key + node.picture + (node.override_channels ? "\n!\n" : "\n?\n") + rig.to_toml();
+}
+
+std::shared_ptr<const FileFrame> relight_understood(const GBuffer& gbuffer, const NodeRig& node,
+                                                    const std::atomic<bool>& cancel) {
+    auto frame = std::make_shared<FileFrame>();
+    frame->data_window = gbuffer.data_window();
+    frame->display_window = gbuffer.display_window();
+    frame->aspect = static_cast<double>(gbuffer.pixel_aspect());
+    const auto width = static_cast<std::size_t>(frame->data_window.width);
+    frame->size = 4 * width * static_cast<std::size_t>(frame->data_window.height);
+    // Not cleared: that would be one thread's work, and as long as the relight.
+    frame->rgba = std::make_unique_for_overwrite<float[]>(frame->size);
+    auto* data = reinterpret_cast<std::byte*>(frame->rgba.get());
+    const auto y_stride = static_cast<std::ptrdiff_t>(16 * width);
+    std::vector<Plane> planes;
+    for (std::ptrdiff_t k = 0; k < 4; ++k) planes.push_back({data + 4 * k, PixelType::float32, 16, y_stride});
+    relight_picture(gbuffer, complete_rig(node, gbuffer), node.picture, frame->data_window, planes, cancel);
+    return frame;
 }
 
 std::shared_ptr<const FileFrame> relight_once(const std::filesystem::path& path, const NodeRig& node,
                                               const std::atomic<bool>& cancel) {
     for (int attempt = 1;; ++attempt) {
-        const std::shared_ptr<const FileGBuffer> file = understand_file(path, node.rig.gbuffer, true);
-        if (cancel) throw Error(ErrorKind::cancelled, "cancelled");
-        const GBuffer& gbuffer = file->gbuffer;
-        auto frame = std::make_shared<FileFrame>();
-        frame->data_window = gbuffer.data_window();
-        frame->display_window = gbuffer.display_window();
-        frame->aspect = static_cast<double>(gbuffer.pixel_aspect());
+        std::vector<io::FileState> before = input_states(path, node.rig);
+        std::shared_ptr<const FileFrame> frame;
         std::exception_ptr failure;
         try {
-            const auto width = static_cast<std::size_t>(frame->data_window.width);
-            frame->size = 4 * width * static_cast<std::size_t>(frame->data_window.height);
-            // Not cleared: that would be one thread's work, and as long as the relight.
-            frame->rgba = std::make_unique_for_overwrite<float[]>(frame->size);
-            auto* data = reinterpret_cast<std::byte*>(frame->rgba.get());
-            const auto y_stride = static_cast<std::ptrdiff_t>(16 * width);
-            std::vector<Plane> planes;
-            for (std::ptrdiff_t k = 0; k < 4; ++k) planes.push_back({data + 4 * k, PixelType::float32, 16, y_stride});
-            relight_picture(gbuffer, complete_rig(node, gbuffer), node.picture, frame->data_window, planes, cancel);
+            const std::shared_ptr<const FileGBuffer> file = understand_file(path, node.rig.gbuffer, true);
+            if (cancel) throw Error(ErrorKind::cancelled, "cancelled");
+            before = file->files;
+            frame = relight_understood(file->gbuffer, node, cancel);
         } catch (...) {
             failure = std::current_exception();
         }
         if (cancel) throw Error(ErrorKind::cancelled, "cancelled");
-        if (states_of(file->files) == file->files) {
+        // Whatever came of a file that has changed meanwhile, picture or error, is not to be trusted.
+        if (states_of(before) == before) {
             if (failure) std::rethrow_exception(failure);
             return frame;
         }
@@ -170,26 +181,9 @@ void join_threads(bool every) {
 
 }  // namespace
 
-FileState FileState::of(const std::filesystem::path& path) {
-    FileState state;
-    state.path = path;
-    struct stat info {};
-    if (::stat(path.c_str(), &info) != 0) return state;
-    state.size = info.st_size;
-    state.seconds = info.st_mtim.tv_sec;
-    state.nanoseconds = info.st_mtim.tv_nsec;
-    state.inode = info.st_ino;
-    return state;
-}
-
-std::string FileState::text() const {
-    return path.string() + " " + std::to_string(size) + " " + std::to_string(seconds) + "." +
-           std::to_string(nanoseconds) + " " + std::to_string(inode) + "\n";
-}
-
 std::string gbuffer_file(const Instance& instance, const NodeRig& node) {
     if (!node.gbuffer_file.empty()) return node.gbuffer_file;
-    return node.rig.gbuffer_file && !has_normal_clip(instance) ? *node.rig.gbuffer_file : std::string();
+    return has_normal_clip(instance) ? std::string() : node.rig.main_file().value_or("");
 }
 
 std::shared_ptr<const FileGBuffer> understand_file(const std::filesystem::path& path, const GBufferOptions& options,
@@ -211,10 +205,9 @@ std::shared_ptr<const FileGBuffer> understand_file(const std::filesystem::path& 
         }
     }
     // The state is from before the reading: what changes meanwhile shows.
-    std::vector<FileState> files{FileState::of(path)};
-    for (const auto& [name, rule] : options.channels)
-        if (rule.channel)
-            if (const FileState state = FileState::of(*rule.channel); state.size >= 0) files.push_back(state);
+    Rig inputs;
+    inputs.gbuffer = options;
+    std::vector<io::FileState> files = input_states(path, std::move(inputs));
     GBuffer gbuffer = GBuffer::read(path, options);
     if (keep) gbuffer.keep_pixels(static_cast<std::int64_t>(cache_budget()));
     auto file = std::make_shared<const FileGBuffer>(FileGBuffer{std::move(gbuffer), std::move(files)});
@@ -244,8 +237,20 @@ std::shared_ptr<const FileFrame> relight_file(const Instance& instance, const st
     if (!job) {
         job = std::make_shared<Job>();
         job->key = key;
-        all.threads.emplace_back(job, std::thread(run, job, path, node));
+        // Whatever of this there is no memory for leaves nothing behind.
         all.jobs.push_front(job);
+        try {
+            all.threads.emplace_back(job, std::thread());
+            try {
+                all.threads.back().second = std::thread(run, job, path, node);
+            } catch (...) {
+                all.threads.pop_back();
+                throw;
+            }
+        } catch (...) {
+            all.jobs.pop_front();
+            throw;
+        }
     }
     ++job->waiting;
     bool stop = false;

@@ -7,26 +7,16 @@
 #include <string>
 #include <vector>
 
+#include "io/file_state.h"
 #include "node_rig.h"
 #include "relume/gbuffer.h"
 
 namespace relume::ofx {
 
-/// A file as it was when it was looked at; a later change makes another.
-struct FileState {
-    std::filesystem::path path;
-    std::int64_t size = -1;  ///< −1: not there
-    std::int64_t seconds = 0, nanoseconds = 0;
-    std::uint64_t inode = 0;
-    static FileState of(const std::filesystem::path& path);
-    bool operator==(const FileState&) const = default;
-    std::string text() const;
-};
-
 /// A G-buffer of a file and the files that it was understood from.
 struct FileGBuffer {
     GBuffer gbuffer;
-    std::vector<FileState> files;
+    std::vector<io::FileState> files;
 };
 
 /// A relit frame of a file: R, G, B, A, premultiplied, row 0 at the top of the data window.

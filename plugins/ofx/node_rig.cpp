@@ -201,11 +201,6 @@ void apply_overrides(Rig& rig, const std::string& text) {
     }
 }
 
-std::optional<std::string> keyed_channel_file(const ChannelRule& rule, std::int64_t frame) {
-    if (!rule.channel || !is_pattern(*rule.channel)) return std::nullopt;
-    return resolve_frame(*rule.channel, frame);
-}
-
 }  // namespace
 
 std::int64_t frame_of(double time) {
@@ -228,21 +223,13 @@ NodeRig node_rig(const Instance& instance, double time) {
                 node.rig.set(section.path + "." + std::string(section.keys[k]), toml(*value));
     for (const LightKnobs& light : layout().lights) add_light(node.rig, instance, light, time);
     if (node.rig.lights.empty() && instance.integer(own::kWorkLight, time, 1) != 0) add_work_light(node.rig);
-    node.rig = node.rig.at(time);
+    // At the time, which may lie between frames; names of files are the frame's.
+    const Rig at_time = node.rig.at(time);
+    node.rig = at_time.of_frame(frame);
 
     const std::string named = trimmed(instance.text(own::kGBuffer, time));
-    node.varying = node.varying || is_pattern(named);
+    node.varying = node.varying || is_pattern(named) || !(node.rig == at_time);
     node.gbuffer_file = resolve_frame(named, frame);
-    if (node.rig.gbuffer_file) {
-        node.varying = node.varying || is_pattern(*node.rig.gbuffer_file);
-        node.rig.gbuffer_file = resolve_frame(*node.rig.gbuffer_file, frame);
-    }
-    for (auto& [name, rule] : node.rig.gbuffer.channels) {
-        if (auto file = keyed_channel_file(rule, frame)) {
-            rule.channel = std::move(file);
-            node.varying = true;
-        }
-    }
 
     if (const std::string picture = trimmed(instance.text(own::kPicture, time)); !picture.empty())
         node.picture = picture;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "clip_image.h"
+#include "relume/image.h"
 
 namespace relume::ofx {
 
@@ -21,6 +22,11 @@ public:
     /// Planes at the top of `rect` for R, G, B and A, as far as the image has them, where pixels of half and float can
     /// be written to; empty for what must go through store().
     std::vector<Plane> planes(const OfxRectI& rect) const;
+    /// Whether its pixels are R, G, B and A as float, and where pixel (x, y) is; the row below is `row_bytes` before
+    /// it.
+    bool holds_floats() const { return image_.depth() == Depth::float32 && image_.components() == 4; }
+    std::byte* at(int x, int y) const { return image_.at(x, y); }
+    std::ptrdiff_t row_bytes() const { return image_.row_bytes(); }
     /// Writes R, G, B, A of `rect`, row 0 at the top, rounded to what the image holds.
     void store(const OfxRectI& rect, std::span<const float> rgba);
 

@@ -78,8 +78,8 @@ Surface picked_surface(const Instance& instance, const std::array<double, 2>& po
     ClipGBuffer clips(instance, time, scale_x, scale_y, node.rig.gbuffer);
     const PixelGrid& grid = clips.grid();
     const std::atomic<bool> never{false};
-    return surface_at(clips.understand(never), floor_of(point[0] * grid.scale_x / grid.aspect) - grid.display.x1,
-                      grid.display.y2 - 1 - floor_of(point[1] * grid.scale_y));
+    const int x = floor_of(point[0] * grid.scale_x / grid.aspect), y = floor_of(point[1] * grid.scale_y);
+    return surface_at(clips.understand({x, y, x + 1, y + 1}, never), x - grid.display.x1, grid.display.y2 - 1 - y);
 }
 
 /// World to camera by the inverse of a rigid motion.

@@ -4,6 +4,7 @@
 #include <new>
 #include <string_view>
 
+#include "clip_gbuffer.h"
 #include "describe.h"
 #include "file_frames.h"
 #include "host.h"
@@ -44,6 +45,7 @@ OfxStatus load() {
 
 OfxStatus unload() {
     end_frames();
+    understood_frames().clear();
     destroy_instances();
     unload_host();
     return kOk;
@@ -76,6 +78,7 @@ OfxStatus act(std::string_view action, OfxImageEffectHandle effect, const Proper
     if (action == name::kActionInstanceChanged) return instance_changed(effect, in);
     if (action == name::kActionPurgeCaches) {
         purge_frames();
+        understood_frames().clear();
         return kOk;
     }
     return kReplyDefault;
@@ -88,6 +91,11 @@ OfxStatus main_entry(const char* action, const void* handle, OfxPropertySetHandl
     try {
         return act(action, effect, Properties(in), Properties(out));
     } catch (const std::bad_alloc&) {
+        try {
+            if (host().effect && effect) show_error(effect, "Relume: there is not enough memory for this frame");
+        } catch (...) {
+            return kErrMemory;
+        }
         return kErrMemory;
     } catch (const std::exception& error) {
         try {

@@ -9,8 +9,9 @@
 namespace relume::ofx {
 
 void relight_picture(const GBuffer& gbuffer, const Rig& rig, const std::string& picture, const Window& region,
-                     std::span<const Plane> planes, const std::atomic<bool>& cancel) {
+                     std::span<const Plane> planes, const std::atomic<bool>& cancel, const std::function<void()>& ask) {
     RelightOptions options;
+    if (ask) options.progress = [&](double) { ask(); };
     options.cancel = &cancel;
     options.region = region;
     std::map<std::string, std::vector<Plane>> out;

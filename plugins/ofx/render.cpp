@@ -15,6 +15,7 @@
 #include "relight_picture.h"
 #include "relume/error.h"
 #include "resample.h"
+#include "threads/workers.h"
 
 namespace relume::ofx {
 
@@ -44,6 +45,14 @@ OutputImage fetch_output(const Instance& instance, const RenderArguments& a) {
     return {std::move(*image), a.window};
 }
 
+/// Whether a tile is so small, and each band of it so quick, that the bands are often enough to ask the host.
+bool is_short(const OfxRectI& part, const Rig& rig) {
+    constexpr std::int64_t kPixels = 1'500'000, kLitPixelsOfABand = 4'000'000, kRowsOfABand = 16;
+    const std::int64_t width = part.x2 - part.x1;
+    return width * (part.y2 - part.y1) <= kPixels &&
+           width * kRowsOfABand * static_cast<std::int64_t>(rig.lights.size() + 1) <= kLitPixelsOfABand;
+}
+
 void render_clips(const Instance& instance, const NodeRig& node, const RenderArguments& a) {
     ClipGBuffer clips(instance, a.time, a.scale_x, a.scale_y, node.rig.gbuffer);
     OutputImage output = fetch_output(instance, a);
@@ -52,15 +61,15 @@ void render_clips(const Instance& instance, const NodeRig& node, const RenderArg
         output.clear(output.window());
         return;
     }
-    run_abortable(instance.effect(), [&](const std::atomic<bool>& cancel) {
-        const GBuffer gbuffer = clips.understand(cancel);
+    const auto work = [&](const std::atomic<bool>& cancel, const std::function<void()>& ask) {
+        const GBuffer gbuffer = clips.understand(part, cancel);
         const Rig rig = complete_rig(node, gbuffer);
         const Window region = clips.grid().window(part);
         if (part.x1 != output.window().x1 || part.x2 != output.window().x2 || part.y1 != output.window().y1 ||
             part.y2 != output.window().y2)
             output.clear(output.window());
         if (const std::vector<Plane> planes = output.planes(part); !planes.empty()) {
-            relight_picture(gbuffer, rig, node.picture, region, planes, cancel);
+            relight_picture(gbuffer, rig, node.picture, region, planes, cancel, ask);
             return;
         }
         const auto width = static_cast<std::size_t>(region.width);
@@ -69,9 +78,11 @@ void render_clips(const Instance& instance, const NodeRig& node, const RenderArg
         for (std::size_t k = 0; k < 4; ++k)
             planes.push_back({reinterpret_cast<std::byte*>(rgba.data() + k), PixelType::float32, 16,
                               static_cast<std::ptrdiff_t>(16 * width)});
-        relight_picture(gbuffer, rig, node.picture, region, planes, cancel);
+        relight_picture(gbuffer, rig, node.picture, region, planes, cancel, ask);
         output.store(part, rgba);
-    });
+    };
+    if (is_short(part, node.rig)) run_abortable_here(instance.effect(), work);
+    else run_abortable(instance.effect(), [&](const std::atomic<bool>& cancel) { work(cancel, {}); });
 }
 
 double output_aspect(const Instance& instance) {
@@ -87,13 +98,17 @@ void render_file(const Instance& instance, const NodeRig& node, const std::strin
     if (is_empty(window)) return;
     const OfxRectD origin = project_format(instance).value_or(OfxRectD{});
     const Placement place = placement(*frame, a.scale_x, a.scale_y, output_aspect(instance), origin.x1, origin.y1);
-    // Bands, so that a stop is heard.
     constexpr int kBandRows = 64;
-    for (int y = window.y1; y < window.y2; y += kBandRows) {
-        if (aborted(instance.effect())) throw Error(ErrorKind::cancelled, "cancelled");
-        const OfxRectI band{window.x1, y, window.x2, std::min(window.y2, y + kBandRows)};
-        output.store(band, resample(*frame, place, band));
-    }
+    run_abortable(instance.effect(), [&](const std::atomic<bool>& cancel) {
+        const int bands = (window.y2 - window.y1 + kBandRows - 1) / kBandRows;
+        parallel_for(bands, default_threads(), &cancel, [&](int, int k) {
+            const int y = window.y1 + k * kBandRows;
+            const OfxRectI band{window.x1, y, window.x2, std::min(window.y2, y + kBandRows)};
+            const bool straight = place.is_identity() && output.holds_floats();
+            if (straight) copy_rows(*frame, place, band, output.at(band.x1, band.y2 - 1), output.row_bytes());
+            else output.store(band, resample(*frame, place, band));
+        });
+    });
 }
 
 /// What the file of the node defines, canonical; nothing where it cannot be read, which the render says.

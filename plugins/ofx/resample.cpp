@@ -26,6 +26,22 @@ Cover cover(double at, double step, double offset, int begin, int end) {
     return result;
 }
 
+/// A file's columns and rows as the node counts them: from the display window's lower left, y up.
+struct Frame {
+    explicit Frame(const FileFrame& of)
+        : left(of.data_window.x - of.display_window.x),
+          bottom(of.display_window.y_end() - of.data_window.y_end()),
+          width(of.data_window.width),
+          height(of.data_window.height),
+          rgba(of.rgba.get()) {}
+    const float* row(int y) const {
+        return rgba +
+               std::size_t{4} * static_cast<std::size_t>(width) * static_cast<std::size_t>(bottom + height - 1 - y);
+    }
+    int left, bottom, width, height;
+    const float* rgba;
+};
+
 }  // namespace
 
 bool Placement::is_identity() const {
@@ -42,39 +58,46 @@ Placement placement(const FileFrame& frame, double scale_x, double scale_y, doub
     return p;
 }
 
+void copy_rows(const FileFrame& frame, const Placement& placement, const OfxRectI& rect, std::byte* to,
+               std::ptrdiff_t row_bytes) {
+    constexpr std::size_t kPixel = 4 * sizeof(float);
+    const Frame pixels(frame);
+    const int dx = static_cast<int>(placement.offset_x), dy = static_cast<int>(placement.offset_y);
+    const int x1 = std::clamp(pixels.left + dx, rect.x1, rect.x2);
+    const int x2 = std::clamp(pixels.left + dx + pixels.width, x1, rect.x2);
+    const auto bytes = [](int first, int end) { return kPixel * static_cast<std::size_t>(end - first); };
+    for (int y = rect.y2 - 1; y >= rect.y1; --y, to -= row_bytes) {
+        if (y - dy < pixels.bottom || y - dy >= pixels.bottom + pixels.height || x1 == x2) {
+            std::memset(to, 0, bytes(rect.x1, rect.x2));
+            continue;
+        }
+        std::memset(to, 0, bytes(rect.x1, x1));
+        std::memcpy(to + bytes(rect.x1, x1), pixels.row(y - dy) + 4 * (x1 - dx - pixels.left), bytes(x1, x2));
+        std::memset(to + bytes(rect.x1, x2), 0, bytes(x2, rect.x2));
+    }
+}
+
 std::vector<float> resample(const FileFrame& frame, const Placement& placement, const OfxRectI& rect) {
     const auto width = static_cast<std::size_t>(rect.x2 - rect.x1),
                height = static_cast<std::size_t>(rect.y2 - rect.y1);
     std::vector<float> out(4 * width * height);
-    const Window& data = frame.data_window;
-    // The file's columns and rows as the node counts them: from the display window's lower left, y up.
-    const int left = data.x - frame.display_window.x, bottom = frame.display_window.y_end() - data.y_end();
-    const auto row_of = [&](int y) {
-        return frame.rgba.get() + std::size_t{4} * static_cast<std::size_t>(data.width) *
-                                      static_cast<std::size_t>(bottom + data.height - 1 - y);
-    };
+    if (is_empty(rect)) return out;
     if (placement.is_identity()) {
-        const int dx = static_cast<int>(placement.offset_x), dy = static_cast<int>(placement.offset_y);
-        const OfxRectI part =
-            intersection(rect, {left + dx, bottom + dy, left + dx + data.width, bottom + dy + data.height});
-        if (is_empty(part)) return out;
-        for (int y = part.y1; y < part.y2; ++y)
-            std::memcpy(out.data() + 4 * (static_cast<std::size_t>(rect.y2 - 1 - y) * width +
-                                          static_cast<std::size_t>(part.x1 - rect.x1)),
-                        row_of(y - dy) + 4 * (part.x1 - dx - left),
-                        static_cast<std::size_t>(part.x2 - part.x1) * 4 * sizeof(float));
+        const auto row_bytes = static_cast<std::ptrdiff_t>(16 * width);
+        copy_rows(frame, placement, rect, reinterpret_cast<std::byte*>(out.data()), -row_bytes);
         return out;
     }
+    const Frame pixels(frame);
     std::vector<Cover> columns;
     for (int x = rect.x1; x < rect.x2; ++x)
-        columns.push_back(cover(x, placement.step_x, placement.offset_x, left, left + data.width));
+        columns.push_back(cover(x, placement.step_x, placement.offset_x, pixels.left, pixels.left + pixels.width));
     for (std::size_t j = 0; j < height; ++j) {
-        const Cover rows = cover(rect.y2 - 1 - static_cast<int>(j), placement.step_y, placement.offset_y, bottom,
-                                 bottom + data.height);
+        const Cover rows = cover(rect.y2 - 1 - static_cast<int>(j), placement.step_y, placement.offset_y, pixels.bottom,
+                                 pixels.bottom + pixels.height);
         for (std::size_t i = 0; i < width; ++i) {
             std::array<double, 4> sum{};
             for (std::size_t r = 0; r < rows.shares.size(); ++r) {
-                const float* row = row_of(rows.first + static_cast<int>(r)) + 4 * (columns[i].first - left);
+                const float* row = pixels.row(rows.first + static_cast<int>(r)) + 4 * (columns[i].first - pixels.left);
                 for (std::size_t c = 0; c < columns[i].shares.size(); ++c)
                     for (std::size_t k = 0; k < 4; ++k)
                         sum[k] += rows.shares[r] * columns[i].shares[c] * static_cast<double>(row[4 * c + k]);

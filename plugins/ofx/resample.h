@@ -26,4 +26,9 @@ Placement placement(const FileFrame& frame, double scale_x, double scale_y, doub
 /// `rect`.
 std::vector<float> resample(const FileFrame& frame, const Placement& placement, const OfxRectI& rect);
 
+/// The same, of a placement that is the identity, into rows of floats: the top one at `to`, each next one `row_bytes`
+/// before it.
+void copy_rows(const FileFrame& frame, const Placement& placement, const OfxRectI& rect, std::byte* to,
+               std::ptrdiff_t row_bytes);
+
 }  // namespace relume::ofx

@@ -5,8 +5,7 @@
 #include <cstring>
 #include <list>
 
-#include <sys/stat.h>
-
+#include "io/file_state.h"
 #include "relight/output_header.h"
 #include "relight/plan.h"
 #include "relume/error.h"
@@ -21,18 +20,8 @@ constexpr std::size_t kFrames = 16;
 /// What the frame is made of: the rig with all that was changed in it, and its files as they are now.
 std::string key_of(const Rig& rig) {
     std::string key = rig.to_toml();
-    for (const std::filesystem::path& path : rig.input_files()) {
-        key += '\n' + path.string();
-        // Times alone are as coarse as the kernel's tick.
-        struct stat now = {};
-        if (::stat(path.c_str(), &now) != 0) continue;
-        for (const auto number :
-             {static_cast<std::int64_t>(now.st_dev), static_cast<std::int64_t>(now.st_ino),
-              static_cast<std::int64_t>(now.st_size), static_cast<std::int64_t>(now.st_mtim.tv_sec),
-              static_cast<std::int64_t>(now.st_mtim.tv_nsec), static_cast<std::int64_t>(now.st_ctim.tv_sec),
-              static_cast<std::int64_t>(now.st_ctim.tv_nsec)})
-            key += ' ' + std::to_string(number);
-    }
+    key += '\n';
+    for (const std::filesystem::path& path : rig.input_files()) key += io::FileState::of(path).key();
     return key;
 }
 

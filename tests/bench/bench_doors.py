@@ -3,8 +3,9 @@
 
 The core: understanding the G-buffer and relighting it into memory, plus one copy of the picture. OpenImageIO: opening
 the rig and reading the picture. Each time with another exposure, so that nothing is there already, and into memory that
-the program has had before: fresh pages are the host's own cost. Blender: from a light's change to pixels in the image
-datablock (blender_latency.py), where Blender is there as a Python module.
+the program has had before: fresh pages are the host's own cost. OpenFX: the node in our test host, by clips in its
+memory and by the file, against the core on the same (tests/plugins/ofx_bench.cpp). Blender: from a light's change to
+pixels in the image datablock (blender_latency.py), where Blender is there as a Python module.
 """
 
 from __future__ import annotations
@@ -83,6 +84,28 @@ def blender(repeats: int) -> None:
         print(f"  {'' if whole else '  '}{name:{16 if whole else 14}s} {median:7.1f} {late:7.1f}{bar}")
 
 
+def report(what: str, seconds: float, core_seconds: float) -> None:
+    """A door's row, as a share of the core's time."""
+    share = seconds / core_seconds
+    met = "" if share <= 1.15 else "  MISSED"
+    print(f"  {share:6.2f} of that {what}, {1e3 * seconds:.0f} ms (bar ≤ 1.15){met}")
+
+
+def openfx(rig: Path, exr: Path, repeats: int) -> None:
+    """The rows of the node."""
+    program = bench_files.ROOT / "build" / "release" / "tests" / "plugins" / "relume_ofx_bench"
+    if not program.exists():
+        sys.exit(f"bench: {program} was not built")
+    seconds = bench_files.run_json([str(program), str(rig), str(exr), str(repeats)], "openfx")
+    clips, file = seconds["clips"], seconds["file"]
+    print(f"from six float RGBA clips in memory: the core and a copy {1e3 * clips['core']:.0f} ms")
+    report("through OpenFX, in one render", clips["frame"], clips["core"])
+    report("through OpenFX, in tiles of 256 rows", clips["tiles"], clips["core"])
+    print(f"from the EXR: the core and a copy {1e3 * file['core']:.0f} ms")
+    report("through OpenFX", file["frame"], file["core"])
+    print(f"  {file['again'] / file['core']:6.2f} of that when a knob was turned, {1e3 * file['again']:.0f} ms")
+
+
 def run(repeats: int) -> None:
     """Prints figures and bars."""
     from relume.hosts import find_openimageio, oiio_plugin
@@ -105,9 +128,8 @@ def run(repeats: int) -> None:
         "openimageio": bench_files.run_json(host, "OpenImageIO", OIIO_LIBRARY_PATH=str(plugin.parent))["seconds"],
     }
     print(f"3840×2160, 16 lights, float, {threads} threads: the core and a copy {1e3 * seconds['core']:.0f} ms")
-    share = seconds["openimageio"] / seconds["core"]
-    met = "" if share <= 1.15 else "  MISSED"
-    print(f"  {share:6.2f} of that through OpenImageIO, {1e3 * seconds['openimageio']:.0f} ms (bar ≤ 1.15){met}")
+    report("through OpenImageIO", seconds["openimageio"], seconds["core"])
+    openfx(rig, exr, repeats)
     blender(repeats)
 
 

@@ -281,6 +281,32 @@ TEST_F(OfxFilesTest, FileThatChangesIsReadAgain) {
     }
 }
 
+TEST_F(OfxFilesTest, RigWithAFileForEachChannel) {
+    // Normals alone in one file, colours in another; the time of day decides the frame.
+    for (int frame = 0; frame < 2; ++frame) {
+        write("shot.000" + std::to_string(frame) + ".exr", 0.7 * frame);
+        write("paint.000" + std::to_string(frame) + ".exr", 0.7 * frame + 0.2);
+    }
+    const fs::path own = folder / "channels.relume";
+    std::ofstream(own) << "[gbuffer.channels]\nnormal = \"shot.####.exr\"\nbase_color = \"paint.####.exr\"\n"
+                          "[[light]]\ntype = \"sun\"\ndirection = [0.2, -1, 0.3]\n";
+    Node node(host, name::kContextGenerator);
+    node.set("rig", own.string());
+    for (int frame = 0; frame < 2; ++frame) {
+        const Rig rig = Rig::load(own).of_frame(frame);
+        ASSERT_EQ(render(node, {.time = 1.0 * frame, .window = kFrame}, got), kOk) << node.instance().message;
+        EXPECT_EQ(got, by_library(rig.main_file().value(), rig));
+    }
+    EXPECT_EQ(node.clip_preferences().integer(name::kPropFrameVarying), 1);
+    // The file of a channel that changes.
+    const std::vector<float> before = got;
+    write("paint.0001.exr", 2.5);
+    const Rig rig = Rig::load(own).of_frame(1);
+    ASSERT_EQ(render(node, {.time = 1, .window = kFrame}, got), kOk) << node.instance().message;
+    EXPECT_EQ(got, by_library(rig.main_file().value(), rig));
+    EXPECT_NE(got, before);
+}
+
 TEST_F(OfxFilesTest, WhatIsWrongIsSaidAndTheNextPictureIsRight) {
     const fs::path good = write("good.exr");
     const std::vector<float> wanted = by_library(good, Rig::load(rig_file));

@@ -70,6 +70,7 @@ float Picture::at(int x, int y, int component) const {
 }
 
 Clip::Clip(Host* owner) : host(owner), properties(owner) {}
+Clip::~Clip() = default;
 
 OfxRectD Clip::region(double time) const {
     if (region_of_definition) return *region_of_definition;
@@ -205,6 +206,10 @@ const void* Host::suite(const char* name, int version) {
         options_.missing_suites.contains(std::string(name) + " " + std::to_string(version)))
         return nullptr;
     const std::string wanted = name;
+    if (const auto other = options_.suite_versions.find(wanted); other != options_.suite_versions.end()) {
+        if (version != other->second) return nullptr;
+        version = 1;
+    }
     if (wanted == name::kMessageSuite && (version == 1 || version == 2)) return &message_suite_;
     if (version != 1) return nullptr;
     if (wanted == name::kPropertySuite) return &property_suite_;

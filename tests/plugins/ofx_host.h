@@ -80,8 +80,11 @@ struct Picture {
     float at(int x, int y, int component) const;  ///< 0 outside
 };
 
+struct Image;
+
 struct Clip {
     explicit Clip(Host* owner);
+    ~Clip();
     Host* host;
     std::string name;
     PropertySet properties;
@@ -94,9 +97,13 @@ struct Clip {
     int padding = 0;        ///< bytes after each row
     bool top_down = false;  ///< negative row bytes
     int margin = 0;         ///< pixels that the image has beyond what it must
+    /// Where it is set, this image is handed out each time, as hosts do that keep what they have: the same memory.
+    std::unique_ptr<Image> lasting;
     std::atomic<int> fetched{0};
 
     OfxRectD region(double time) const;
+    /// The image of a time and scale, new.
+    std::unique_ptr<Image> image(double time, double scale) const;
 };
 
 /// An image that a clip gave: memory with a margin on every side that nobody may touch.
@@ -133,9 +140,10 @@ struct Effect {
 };
 
 struct HostOptions {
-    std::set<std::string> missing_suites{};      ///< "OfxMessageSuite"; with version: "OfxMessageSuite 2"
-    std::set<std::string> null_members{};        ///< "abort", "clipGetRegionOfDefinition", …
-    std::set<std::string> unknown_properties{};  ///< that no set has
+    std::set<std::string> missing_suites{};       ///< "OfxMessageSuite"; with version: "OfxMessageSuite 2"
+    std::map<std::string, int> suite_versions{};  ///< suites that are there in this version alone
+    std::set<std::string> null_members{};         ///< "abort", "clipGetRegionOfDefinition", …
+    std::set<std::string> unknown_properties{};   ///< that no set has
     std::string name = "org.relume.testhost";
     bool complain = true;  ///< about properties that are not known; off for hosts that lack some on purpose
 };
@@ -157,7 +165,8 @@ public:
     // Images that the node has and has to give back.
     std::mutex images_mutex;
     std::map<Image*, std::unique_ptr<Image>> images;
-    std::vector<std::string> dialogs;  ///< of the message suite
+    std::multiset<OfxPropertySetHandle> lent;  ///< of the images that last
+    std::vector<std::string> dialogs;          ///< of the message suite
 
     /// Where the output of this thread's render goes.
     static thread_local Image* output;

@@ -50,16 +50,49 @@ float filtered(const Picture& picture, int x, int y, int component, double scale
     return static_cast<float>(sum / ((high_x - low_x) * (high_y - low_y)));
 }
 
+}  // namespace
+
+std::unique_ptr<Image> Clip::image(double time, double scale) const {
+    const Picture from = picture(time);
+    auto made = std::make_unique<Image>(host);
+    made->depth = depth;
+    made->components = components;
+    OfxRectI bounds{
+        static_cast<int>(std::floor(from.bounds.x1 * scale)), static_cast<int>(std::floor(from.bounds.y1 * scale)),
+        static_cast<int>(std::ceil(from.bounds.x2 * scale)), static_cast<int>(std::ceil(from.bounds.y2 * scale))};
+    made->bounds = {bounds.x1 - margin, bounds.y1 - margin, bounds.x2 + margin, bounds.y2 + margin};
+    made->allocate(padding, top_down);
+    const bool as_it_is = scale == 1 && depth == name::kDepthFloat && components == name::kRgba && margin == 0;
+    const std::size_t row = 4 * static_cast<std::size_t>(bounds.x2 - bounds.x1);
+    for (int y = bounds.y1; as_it_is && y < bounds.y2; ++y)
+        std::memcpy(made->at(bounds.x1, y, 0), from.pixels.data() + row * static_cast<std::size_t>(y - bounds.y1),
+                    row * sizeof(float));
+    for (int y = made->bounds.y1; !as_it_is && y < made->bounds.y2; ++y)
+        for (int x = made->bounds.x1; x < made->bounds.x2; ++x)
+            for (int c = 0; c < made->component_count(); ++c) made->put(x, y, c, filtered(from, x, y, c, scale));
+    made->properties.set<double>(name::kPropImageAspect, 0, aspect);
+    made->properties.set<std::string>(name::kPropPremultiplication, 0, properties.text(name::kPropPremultiplication));
+    return made;
+}
+
+namespace {
+
 OfxStatus clip_image(OfxImageClipHandle handle, OfxTime time, const OfxRectD*, OfxPropertySetHandle* result) {
     Clip& clip = *of(handle);
     ++clip.fetched;
     if (clip.name == name::kClipOutput) {
         Image* image = clip.host->output;
-        if (image == nullptr) return kFailed;
+        if (image == nullptr || !clip.has_image) return kFailed;
         *result = image->properties.handle();
         return kOk;
     }
     if (!clip.connected) return kFailed;
+    if (clip.lasting) {
+        *result = clip.lasting->properties.handle();
+        const std::scoped_lock lock(clip.host->images_mutex);
+        clip.host->lent.insert(*result);
+        return kOk;
+    }
     if (!clip.has_image || !clip.picture) {
         // A host that says connected and gives an image without data.
         auto empty = std::make_unique<Image>(clip.host);
@@ -72,30 +105,7 @@ OfxStatus clip_image(OfxImageClipHandle handle, OfxTime time, const OfxRectD*, O
         clip.host->images[key] = std::move(empty);
         return kOk;
     }
-    const Picture picture = clip.picture(time);
-    const double scale = clip.properties.number(name::kPropRenderScale);
-    auto image = std::make_unique<Image>(clip.host);
-    image->depth = clip.depth;
-    image->components = clip.components;
-    OfxRectI bounds{static_cast<int>(std::floor(picture.bounds.x1 * scale)),
-                    static_cast<int>(std::floor(picture.bounds.y1 * scale)),
-                    static_cast<int>(std::ceil(picture.bounds.x2 * scale)),
-                    static_cast<int>(std::ceil(picture.bounds.y2 * scale))};
-    image->bounds = {bounds.x1 - clip.margin, bounds.y1 - clip.margin, bounds.x2 + clip.margin,
-                     bounds.y2 + clip.margin};
-    image->allocate(clip.padding, clip.top_down);
-    const bool as_it_is =
-        scale == 1 && clip.depth == name::kDepthFloat && clip.components == name::kRgba && clip.margin == 0;
-    const std::size_t row = 4 * static_cast<std::size_t>(bounds.x2 - bounds.x1);
-    for (int y = bounds.y1; as_it_is && y < bounds.y2; ++y)
-        std::memcpy(image->at(bounds.x1, y, 0), picture.pixels.data() + row * static_cast<std::size_t>(y - bounds.y1),
-                    row * sizeof(float));
-    for (int y = image->bounds.y1; !as_it_is && y < image->bounds.y2; ++y)
-        for (int x = image->bounds.x1; x < image->bounds.x2; ++x)
-            for (int c = 0; c < image->component_count(); ++c) image->put(x, y, c, filtered(picture, x, y, c, scale));
-    image->properties.set<double>(name::kPropImageAspect, 0, clip.aspect);
-    image->properties.set<std::string>(name::kPropPremultiplication, 0,
-                                       clip.properties.text(name::kPropPremultiplication));
+    std::unique_ptr<Image> image = clip.image(time, clip.properties.number(name::kPropRenderScale));
     *result = image->properties.handle();
     const std::scoped_lock lock(clip.host->images_mutex);
     Image* key = image.get();
@@ -113,6 +123,10 @@ OfxStatus release_image(OfxPropertySetHandle handle) {
     Host& host = *Host::current;  // the image alone is given
     const std::scoped_lock lock(host.images_mutex);
     if (host.output && host.output->properties.handle() == handle) return kOk;
+    if (const auto at = host.lent.find(handle); at != host.lent.end()) {
+        host.lent.erase(at);
+        return kOk;
+    }
     Image* image = image_of(host, handle);
     if (image == nullptr) {
         host.complain("an image that the host does not know is given back");

@@ -8,7 +8,8 @@
 
 namespace relume::ofx::test {
 
-Binary::Binary() {
+Binary::Binary(OfxPlugin* own) : plugin_(own) {
+    if (own != nullptr) return;
     library_ = dlopen(RELUME_OFX_BINARY, RTLD_LAZY | RTLD_LOCAL);
     if (library_ == nullptr) throw std::runtime_error(dlerror());
     const auto count = reinterpret_cast<int (*)()>(symbol("OfxGetNumberOfPlugins"));
@@ -17,7 +18,9 @@ Binary::Binary() {
     plugin_ = get(0);
 }
 
-Binary::~Binary() { dlclose(library_); }
+Binary::~Binary() {
+    if (library_ != nullptr) dlclose(library_);
+}
 
 void* Binary::symbol(const char* name) const {
     void* found = dlsym(library_, name);
@@ -25,7 +28,7 @@ void* Binary::symbol(const char* name) const {
     return found;
 }
 
-Node::Node(Host& host, const char* context) : host_(host), context_(context) {
+Node::Node(Host& host, const char* context, OfxPlugin* own) : host_(host), binary_(own), context_(context) {
     binary_.plugin()->setHost(host.abi());
     loaded_ = act(name::kActionLoad, nullptr);
     if (context_.empty() || loaded_ != kOk) return;
@@ -134,10 +137,16 @@ OfxStatus Node::render(const RenderJob& job, std::unique_ptr<Image>& image) {
     for (int y = image->bounds.y1; y < image->bounds.y2; ++y)
         for (int x = image->bounds.x1; x < image->bounds.x2; ++x)
             for (int c = 0; c < image->component_count(); ++c) image->put(x, y, c, 0.25f);
+    const OfxStatus status = render_into(job, *image);
+    if (!image->margins_untouched()) host_.complain("the render wrote beyond its image");
+    return status;
+}
+
+OfxStatus Node::render_into(const RenderJob& job, Image& image) {
     for (auto& [name, clip] : instance_->clips)  // several renders at once have one scale
         if (clip->properties.number(name::kPropRenderScale) != job.scale)
             clip->properties.set<double>(name::kPropRenderScale, 0, job.scale);
-    Host::output = image.get();
+    Host::output = &image;
     PropertySet in(&host_);
     in.declare(name::kPropTime, job.time);
     in.declare(name::kPropRenderScale, job.scale, 2);
@@ -146,7 +155,6 @@ OfxStatus Node::render(const RenderJob& job, std::unique_ptr<Image>& image) {
     for (int k = 0; k < 4; ++k) in.set<int>(name::kPropRenderWindow, k, w[k]);
     const OfxStatus status = act(name::kActionRender, instance_.get(), &in);
     Host::output = nullptr;
-    if (!image->margins_untouched()) host_.complain("the render wrote beyond its image");
     return status;
 }
 

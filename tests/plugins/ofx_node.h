@@ -8,7 +8,8 @@ namespace relume::ofx::test {
 /// The bundle's binary, opened as hosts open it.
 class Binary {
 public:
-    Binary();
+    /// `own`: a plugin of this program, where nothing is opened.
+    explicit Binary(OfxPlugin* own = nullptr);
     ~Binary();
     Binary(const Binary&) = delete;
     Binary& operator=(const Binary&) = delete;
@@ -33,8 +34,8 @@ struct RenderJob {
 /// The node, loaded, described and with one instance.
 class Node {
 public:
-    /// Loads; `context` "" leaves it there.
-    Node(Host& host, const char* context);
+    /// Loads; `context` "" leaves it there. `own` as for Binary.
+    Node(Host& host, const char* context, OfxPlugin* own = nullptr);
     ~Node();
     Node(const Node&) = delete;
     Node& operator=(const Node&) = delete;
@@ -69,6 +70,8 @@ public:
 
     /// Renders into a new image whose pixels are first set to 0.25; `image` is it.
     OfxStatus render(const RenderJob& job, std::unique_ptr<Image>& image);
+    /// Renders into an image that is there.
+    OfxStatus render_into(const RenderJob& job, Image& image);
     std::optional<OfxRectD> region_of_definition(double time = 0, double scale = 1);
     std::map<std::string, OfxRectD> regions_of_interest(const OfxRectD& wanted, double time = 0);
     PropertySet clip_preferences();

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -88,6 +89,29 @@ struct MemoryFrame {
     float pixel_aspect = 1;  ///< width of a pixel by its height
     bool resampled = false;  ///< a proxy, whose pixels a filter made: directions are made unit vectors again, and
                              ///< their lengths say nothing about the surface unless options.normal_variance is on
+    /// For arrays that are filled as they are needed: called before from_memory looks at row `y` (absolute) of a
+    /// channel, by several threads at once for different rows. Whoever relights a region fills that, a row more above
+    /// and below, and kReach columns more to both sides. Empty: they are filled.
+    std::function<void(std::string_view channel, int y)> fill_row = {};
+    static constexpr int kReach = 8;
+};
+
+/// Remembers what was understood of the last few frames in memory, for who brings a frame again and again, as hosts
+/// bring tiles. Nothing but the pixels decides whether a frame is one that is known: all that from_memory would look
+/// at are compared. For any number of threads; a frame that several bring at once is understood once.
+class RELUME_API UnderstoodFrames {
+public:
+    UnderstoodFrames();
+    UnderstoodFrames(const UnderstoodFrames&) = delete;
+    UnderstoodFrames& operator=(const UnderstoodFrames&) = delete;
+    ~UnderstoodFrames();
+    std::int64_t understood() const;  ///< how many frames were not known
+    void clear();
+    struct Impl;
+
+private:
+    friend class GBuffer;
+    std::unique_ptr<Impl> impl_;
 };
 
 /// An attribute of the source's header, kept for the output (type and value as in io::Attribute, opaque here).
@@ -133,6 +157,9 @@ public:
     /// The same for arrays that are a part of a frame, or its proxy; all planes have the size of the data window.
     static GBuffer from_memory(const MemoryFrame& frame, const std::map<std::string, MemoryChannel>& channels,
                                const GBufferOptions& options = {});
+    /// The same, where `known` may have understood the frame before.
+    static GBuffer from_memory(const MemoryFrame& frame, const std::map<std::string, MemoryChannel>& channels,
+                               const GBufferOptions& options, UnderstoodFrames& known);
 
     /// Files are decoded once: what has been read is kept, up to so many bytes (4 a number), and the next relight takes
     /// it from memory; pixels are the same. For who relights a frame again and again. Not while it is being read.
