@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "gbuffer/gbuffer_impl.h"
-#include "gbuffer/kept_pixels.h"
 #include "gbuffer/stored_image.h"
 
 namespace relume {
@@ -56,12 +55,6 @@ GBuffer::~GBuffer() = default;
 
 GBuffer GBuffer::read(const std::filesystem::path& path, const GBufferOptions& options, int threads) {
     return GBuffer(gbuffer::understand(gbuffer::open_file(path, gbuffer::read_limits(options)), options, threads));
-}
-
-void GBuffer::keep_pixels(std::int64_t bytes) {
-    const auto free = std::make_shared<std::atomic<std::int64_t>>(bytes);
-    for (gbuffer::SourceFile& file : impl_->files)
-        file.pixels = std::make_shared<gbuffer::KeptPixels>(file.pixels, impl_->data_window, free);
 }
 
 void GBuffer::keep_channels(std::int64_t bytes) {

@@ -209,7 +209,7 @@ std::shared_ptr<const FileGBuffer> understand_file(const std::filesystem::path& 
     inputs.gbuffer = options;
     std::vector<io::FileState> files = input_states(path, std::move(inputs));
     GBuffer gbuffer = GBuffer::read(path, options);
-    if (keep) gbuffer.keep_pixels(static_cast<std::int64_t>(cache_budget()));
+    if (keep) gbuffer.keep_channels(static_cast<std::int64_t>(cache_budget()));
     auto file = std::make_shared<const FileGBuffer>(FileGBuffer{std::move(gbuffer), std::move(files)});
     const std::scoped_lock lock(all.mutex);
     // One entry of a file, and one file with its pixels.

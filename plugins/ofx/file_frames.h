@@ -32,7 +32,7 @@ struct FileFrame {
 std::string gbuffer_file(const Instance& instance, const NodeRig& node);
 
 /// Understands a file, or remembers that it did. What changed on disk is read again. `relight`: to relight it; the
-/// second time its decoded pixels are kept as well, for then somebody turns knobs. Errors: as GBuffer::read.
+/// second time its channels are kept as well, for then somebody turns knobs. Errors: as GBuffer::read.
 std::shared_ptr<const FileGBuffer> understand_file(const std::filesystem::path& path, const GBufferOptions& options,
                                                    bool relight = false);
 

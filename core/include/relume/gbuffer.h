@@ -161,12 +161,10 @@ public:
     static GBuffer from_memory(const MemoryFrame& frame, const std::map<std::string, MemoryChannel>& channels,
                                const GBufferOptions& options, UnderstoodFrames& known);
 
-    /// Files are decoded once: what has been read is kept, up to so many bytes (4 a number), and the next relight takes
-    /// it from memory; pixels are the same. For who relights a frame again and again. Not while it is being read.
-    void keep_pixels(std::int64_t bytes);
-    /// The same one step further: what relights ask for is kept as they take it (decoded, in world and working space,
-    /// divided by coverage, mattes summed), so that a relight with other lights does nothing but shade. A relight that
-    /// asks for more reads that once.
+    /// Files are read once, for who relights a frame again and again: what relights ask for is kept as they take it
+    /// (decoded, in world and working space, divided by coverage, mattes summed), up to so many bytes (4 a number), so
+    /// that a relight with other lights does nothing but shade; pixels are the same. A relight that asks for more reads
+    /// that once. Not while it is being read.
     void keep_channels(std::int64_t bytes);
 
     GBuffer(GBuffer&&) noexcept;

@@ -105,29 +105,6 @@ TEST_F(RegionTest, ReadChannelsOfAPart) {
     }
 }
 
-TEST_F(RegionTest, KeptPixelsAreTheSameAndNeedNoFile) {
-    const GBuffer plain = GBuffer::read(path);
-    const Window all = plain.data_window();
-    const std::vector<float> whole = relit(plain, rig, all);
-    GBuffer little = GBuffer::read(path), kept = GBuffer::read(path);
-    little.keep_pixels(std::int64_t{5} * 150 * 90 * 4);  // of five planes
-    kept.keep_pixels(std::int64_t{1} << 30);
-    const Window part{20, 33, 50, 30};
-    for (const GBuffer* gbuffer : {&little, &kept}) {
-        EXPECT_EQ(relit(*gbuffer, rig, part, 3), part_of(whole, all, part));
-        for (const int threads : {3, 1, 2}) EXPECT_EQ(relit(*gbuffer, rig, all, threads), whole);
-    }
-    Rig brighter = rig;
-    brighter.lights[0].values.set(find_light_type("sun")->parameters, "exposure", 1.0, "sun");
-    const std::vector<float> bright = relit(plain, brighter, all);
-    // Nothing is left to decode.
-    std::filesystem::resize_file(path, 400);
-    EXPECT_THROW(relit(plain, rig, all), Error);
-    EXPECT_THROW(relit(little, rig, all), Error);
-    EXPECT_EQ(relit(kept, rig, all, 2), whole);
-    EXPECT_EQ(relit(kept, brighter, all, 2), bright);
-}
-
 TEST_F(RegionTest, KeptChannelsAreTheSameAndNeedNoFile) {
     const GBuffer plain = GBuffer::read(path);
     const Window all = plain.data_window(), part{20, 33, 50, 30};
