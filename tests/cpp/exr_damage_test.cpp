@@ -173,7 +173,7 @@ TEST(ExrDamage, OneBadChunkIsNamed) {
 TEST(ExrDamage, WrittenIntoWhileOpen) {
     const TemporaryFolder folder;
     const auto path = folder / "open.exr";
-    const std::vector<char> bytes = file_bytes(kFolder / "multipart.exr");
+    const std::vector<char> bytes = file_bytes(kFolder / "scanline_zip.exr");
     write_bytes(path, bytes);
     const ExrReader reader(path);
     const Window window = reader.header().parts[0].data_window;
