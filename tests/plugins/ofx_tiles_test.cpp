@@ -201,7 +201,8 @@ TEST_F(OfxTilesTest, TilesOfCopiesSeeTheirNeighbours) {
             for (std::size_t c = 0; c < 3; ++c)
                 creased.channels["normal"][c][static_cast<std::size_t>(y * kWidth + x)] = normal[c];
         }
-    // Between any two tiles another frame goes through the same memory.
+    // Between any two tiles another frame goes through the same memory, there and around.
+    constexpr int kAround = 2 * MemoryFrame::kReach;
     for (const char* clip : kAllClips) {
         const Picture picture = creased.picture(clip);
         const Picture other(creased.bounds,
@@ -214,7 +215,9 @@ TEST_F(OfxTilesTest, TilesOfCopiesSeeTheirNeighbours) {
     const std::vector<float> whole = rendered(frame);
     for (const auto& [columns, rows] : {std::pair(1, 91), std::pair(26, 3)})
         for (const OfxRectI& tile : tiles_of(frame, columns, rows)) {
-            ASSERT_EQ(node.render({.time = 1, .window = frame}, image), kOk) << node.instance().message;
+            const OfxRectI around = {std::max(tile.x1 - kAround, frame.x1), std::max(tile.y1 - kAround, frame.y1),
+                                     std::min(tile.x2 + kAround, frame.x2), std::min(tile.y2 + kAround, frame.y2)};
+            ASSERT_EQ(node.render({.time = 1, .window = around}, image), kOk) << node.instance().message;
             ASSERT_EQ(rendered(tile), crop(whole, kWidth + 12, frame, tile)) << tile.x1 << " " << tile.y1;
         }
     // And that is the library's picture of them.
