@@ -9,6 +9,9 @@
 
 namespace relume {
 
+/// Pixels that are read and shaded in one go: inputs and outputs of a tile stay in the L2 cache.
+inline constexpr int kTilePixels = 4096;
+
 /// Serves canonical pixels of a G-buffer to the shading pass, a band of rows at a time, with no state shared between
 /// threads: each thread brings its own Scratch.
 class BandReader {

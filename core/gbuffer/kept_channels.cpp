@@ -12,7 +12,7 @@ namespace relume::gbuffer {
 namespace {
 
 /// Many a layer of a material is in no pixel of a tile: its channels share these zeros, which stay in the cache.
-alignas(64) constexpr std::array<float, KeptChannel::kTile> kZeros{};
+alignas(64) constexpr std::array<float, kTilePixels> kZeros{};
 
 /// +0 alone: a tile comes back with the bits that it had.
 bool all_zero(const float* values, int count) {
@@ -45,7 +45,7 @@ float* aligned(float* memory) {
 
 KeptChannel::KeptChannel(const Window& window, int components)
     : window_(window),
-      tiles_((window.width + kTile - 1) / kTile),
+      tiles_((window.width + kTilePixels - 1) / kTilePixels),
       stride_(row_floats(window)),
       memory_(allocated(floats(window, components))),
       first_(aligned(memory_.get())),
@@ -66,10 +66,10 @@ float* KeptChannel::memory_of(int component, int y, int x) const {
 
 void KeptChannel::store(int y, int x, int count, std::span<const float* const> planes) {
     const int column = x - window_.x;
-    if (column % kTile != 0 || count != std::min(kTile, window_.width - column)) return;
+    if (column % kTilePixels != 0 || count != std::min(kTilePixels, window_.width - column)) return;
     for (std::size_t k = 0; k < planes.size(); ++k) {
         const int component = static_cast<int>(k);
-        std::atomic<std::uint8_t>& state = states_[state_of(component, y, column / kTile)];
+        std::atomic<std::uint8_t>& state = states_[state_of(component, y, column / kTilePixels)];
         std::uint8_t expected = absent;
         if (!state.compare_exchange_strong(expected, busy)) continue;
         const bool empty = all_zero(planes[k], count);
@@ -80,7 +80,7 @@ void KeptChannel::store(int y, int x, int count, std::span<const float* const> p
 }
 
 const float* KeptChannel::run(int component, int y, int x, int count) const {
-    const int column = x - window_.x, first = column / kTile, last = (column + count - 1) / kTile;
+    const int column = x - window_.x, first = column / kTilePixels, last = (column + count - 1) / kTilePixels;
     // The memory of a tile of zeros was never written to, and is zero: good for what goes across tiles.
     if (first == last && states_[state_of(component, y, first)].load(std::memory_order_relaxed) == zero)
         return kZeros.data();

@@ -12,6 +12,7 @@
 #include <tuple>
 #include <vector>
 
+#include "gbuffer/band_reader.h"
 #include "relume/gbuffer.h"
 
 namespace relume::gbuffer {
@@ -20,13 +21,11 @@ namespace relume::gbuffer {
 /// threads, and read once it is whole.
 class KeptChannel {
 public:
-    static constexpr int kTile = 4096;
-
     KeptChannel(const Window& window, int components);
 
     bool whole() const { return done_.load(std::memory_order_acquire) == std::ssize(states_); }
 
-    /// Keeps a run of pixels where that is a tile: one that starts kTile pixels after another, and is as long.
+    /// Keeps a run of pixels where that is a tile: one that starts kTilePixels pixels after another, and is as long.
     void store(int y, int x, int count, std::span<const float* const> planes);
 
     /// `count` pixels from (x, y) on of a component, of a channel that is whole.

@@ -7,13 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "gbuffer/band_reader.h"
 #include "relight/compose_kernel.h"
 #include "relight/plan.h"
 
 namespace relume {
-
-/// Pixels that are shaded in one go: inputs and outputs of a tile stay in the L2 cache.
-inline constexpr int kTilePixels = 4096;
 
 /// Where one picture's rows go: planes over the rows [y, y + rows) of the data window.
 struct Target {
