@@ -232,16 +232,11 @@ TEST(OfxFaultsTest, StopsWithin50Milliseconds) {
 }
 
 TEST(OfxFaultsTest, StopsWithin50MillisecondsOfAFile) {
-    const auto path = std::filesystem::temp_directory_path() / ("relume_stop_" + std::to_string(getpid()) + ".exr");
-    SceneOptions options;
-    options.width = 1600;
-    options.height = 1000;
-    options.samples = 1;
-    write_scene("sdf", path, options);
+    const SceneFile file(1600, 1000);
     Host host;
     {
         Node node(host, name::kContextGenerator);
-        node.set("gbuffer_file", path.string());
+        node.set("gbuffer_file", file.path().string());
         const ManyLights lights;
         node.set("rig", lights.file());
         for (const int delay : {0, 10, 40, 150}) {
@@ -259,27 +254,20 @@ TEST(OfxFaultsTest, StopsWithin50MillisecondsOfAFile) {
         std::unique_ptr<Image> image;
         EXPECT_EQ(node.render({.window = {0, 0, 64, 64}}, image), kOk) << node.instance().message;
     }
-    std::filesystem::remove(path);
     EXPECT_EQ(complaints(host), "");
 }
 
 TEST(OfxFaultsTest, UnloadsWhileAStoppedRelightStillRuns) {
-    const auto path = std::filesystem::temp_directory_path() / ("relume_unload_" + std::to_string(getpid()) + ".exr");
-    SceneOptions options;
-    options.width = 1600;
-    options.height = 1000;
-    options.samples = 1;
-    write_scene("sdf", path, options);
+    const SceneFile file(1600, 1000);
     Host host;
     for (int k = 0; k < 3; ++k) {
         Node node(host, name::kContextGenerator);
-        node.set("gbuffer_file", path.string());
+        node.set("gbuffer_file", file.path().string());
         const ManyLights lights;
         node.set("rig", lights.file());
         OfxStatus status = kFailed;
         time_to_stop(node, {.window = {0, 0, 1600, 1000}}, std::chrono::milliseconds(1), status);
     }
-    std::filesystem::remove(path);
     EXPECT_EQ(complaints(host), "");
 }
 

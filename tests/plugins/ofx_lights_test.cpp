@@ -203,16 +203,11 @@ TEST_F(OfxLightsTest, PickWritesOnlyForTheUsersHand) {
 }
 
 TEST(OfxPickTest, ReadsAFile) {
-    const auto path = std::filesystem::temp_directory_path() / ("relume_pick_" + std::to_string(getpid()) + ".exr");
-    SceneOptions options;
-    options.width = 80;
-    options.height = 48;
-    options.samples = 1;
-    write_scene("sdf", path, options);
+    const SceneFile file(80, 48);
     Host host;
     {
         Node node(host, name::kContextGenerator);
-        node.set("gbuffer_file", path.string());
+        node.set("gbuffer_file", file.path().string());
         node.choose("light1_type", "point");
         node.set("light1_pick", std::vector{39.5, 21.5});
         node.set("light1_pick_distance", 1.0);
@@ -220,7 +215,6 @@ TEST(OfxPickTest, ReadsAFile) {
         const Triple n = at("normal", 51, 28), p = at("position", 51, 28);
         expect_near(node.numbers("light1_position"), {p[0] + n[0], p[1] + n[1], p[2] + n[2]});
     }
-    std::filesystem::remove(path);
     EXPECT_EQ(complaints(host), "");
 }
 

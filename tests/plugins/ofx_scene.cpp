@@ -2,6 +2,8 @@
 #include "ofx_scene.h"
 
 #include <unistd.h>
+
+#include <atomic>
 #include <cstring>
 #include <filesystem>
 
@@ -25,36 +27,42 @@ constexpr Content kContents[] = {{"Source", "beauty", 3},        {"Normal", "nor
 
 }  // namespace
 
+SceneFile::SceneFile(int width, int height) {
+    static std::atomic<int> files{0};
+    const std::string name = "relume_scene_" + std::to_string(getpid()) + "_" + std::to_string(++files) + ".exr";
+    path_ = std::filesystem::temp_directory_path() / name;
+    SceneOptions options;
+    options.width = width;
+    options.height = height;
+    options.samples = 1;
+    write_scene("sdf", path_, options);
+}
+
+SceneFile::~SceneFile() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+}
+
 SceneClips::SceneClips(int w, int h, int origin_x, int origin_y)
     : width(w), height(h), bounds{origin_x, origin_y, origin_x + w, origin_y + h} {
-    SceneOptions options;
-    options.width = w;
-    options.height = h;
-    options.samples = 1;
-    const auto path = std::filesystem::temp_directory_path() /
-                      ("relume_clips" + std::to_string(w) + "_" + std::to_string(getpid()) + ".exr");
-    write_scene("sdf", path, options);
-    {
-        const GBuffer gbuffer = GBuffer::read(path);
-        const auto take = [&](const char* semantic, int components) {
-            ChannelRequest request;
-            request.name = semantic;
-            request.components = components;
-            std::vector<std::vector<float>>& planes = channels[semantic];
-            std::vector<Plane> out;
-            planes.resize(static_cast<std::size_t>(components));
-            for (std::vector<float>& plane : planes) {
-                plane.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
-                out.push_back(
-                    {reinterpret_cast<std::byte*>(plane.data()), PixelType::float32, 4, std::ptrdiff_t{4} * w});
-            }
-            read_channels(gbuffer, {&request, 1}, out);
-        };
-        for (const Content& content : kContents) take(content.semantic, content.components);
-        take("alpha", 1);
-        channels["beauty"].push_back(channels["alpha"][0]);
-    }
-    std::filesystem::remove(path);
+    const SceneFile file(w, h);
+    const GBuffer gbuffer = GBuffer::read(file.path());
+    const auto take = [&](const char* semantic, int components) {
+        ChannelRequest request;
+        request.name = semantic;
+        request.components = components;
+        std::vector<std::vector<float>>& planes = channels[semantic];
+        std::vector<Plane> out;
+        planes.resize(static_cast<std::size_t>(components));
+        for (std::vector<float>& plane : planes) {
+            plane.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
+            out.push_back({reinterpret_cast<std::byte*>(plane.data()), PixelType::float32, 4, std::ptrdiff_t{4} * w});
+        }
+        read_channels(gbuffer, {&request, 1}, out);
+    };
+    for (const Content& content : kContents) take(content.semantic, content.components);
+    take("alpha", 1);
+    channels["beauty"].push_back(channels["alpha"][0]);
 }
 
 Picture SceneClips::picture(const std::string& clip) const {

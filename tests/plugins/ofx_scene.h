@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
+
 #include "ofx_node.h"
 #include "relume/gbuffer.h"
 #include "relume/rig.h"
@@ -13,6 +15,19 @@ using Arrays = std::map<std::string, std::vector<std::vector<float>>>;
 /// The library on arrays in memory: R, G, B, A, row 0 at the top.
 std::vector<float> relit(const Arrays& arrays, const MemoryFrame& frame, const Rig& rig,
                          const GBufferOptions& options = {}, PixelType type = PixelType::float32);
+
+/// An EXR of the built-in scene sdf, one ray a pixel, as long as this lives.
+class SceneFile {
+public:
+    SceneFile(int width, int height);
+    ~SceneFile();
+    SceneFile(const SceneFile&) = delete;
+    SceneFile& operator=(const SceneFile&) = delete;
+    const std::filesystem::path& path() const { return path_; }
+
+private:
+    std::filesystem::path path_;
+};
 
 /// A picture of the built-in scene sdf, once as clips for the node and once as arrays for the library.
 class SceneClips {
