@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <stdexcept>
 
 #include "bindings.h"
 #include "relume/error.h"
+#include "text/printable.h"
 
 namespace relume::python {
 
@@ -36,10 +36,7 @@ const char* class_name(ErrorKind kind) {
 void raise(const char* name, const char* message) {
     // The classes are written in Python (relume/errors.py), where they can be documented and typed.
     const py::object type = py::module_::import("relume.errors").attr(name);
-    // A message quotes what it was given, which need not be UTF-8: PyErr_SetString would drop the whole of it.
-    const py::object text = py::reinterpret_steal<py::object>(
-        PyUnicode_DecodeUTF8(message, static_cast<Py_ssize_t>(std::strlen(message)), "replace"));
-    PyErr_SetObject(type.ptr(), text.ptr());
+    PyErr_SetString(type.ptr(), message);
 }
 
 void translate(std::exception_ptr pointer) {
@@ -48,7 +45,7 @@ void translate(std::exception_ptr pointer) {
     } catch (const Error& error) {
         raise(class_name(error.kind()), error.what());
     } catch (const std::filesystem::filesystem_error& error) {
-        raise("FileError", error.what());
+        raise("FileError", printable(error.what()).c_str());
     }
 }
 

@@ -32,6 +32,12 @@ const char* name_of(PixelType type) {
     return "?";
 }
 
+/// Headers hold whatever their writer put there: what is not UTF-8 must not stop anyone from looking at the file.
+py::object text_object(const std::string& text) {
+    return py::reinterpret_steal<py::object>(
+        PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "replace"));
+}
+
 py::dict attributes(const Part& part) {
     py::dict result;
     for (const io::Attribute& attribute : part.attributes) {
@@ -39,16 +45,15 @@ py::dict attributes(const Part& part) {
         if (const auto* bytes = std::get_if<std::vector<std::byte>>(&attribute.value)) {
             value = py::bytes(reinterpret_cast<const char*>(bytes->data()), bytes->size());
         } else if (const auto* text = std::get_if<std::string>(&attribute.value)) {
-            // Headers hold whatever their writer put there: what is not UTF-8 must not stop anyone from looking at the
-            // file.
-            value = py::reinterpret_steal<py::object>(
-                PyUnicode_DecodeUTF8(text->data(), static_cast<py::ssize_t>(text->size()), "replace"));
+            value = text_object(*text);
         } else if (const auto* texts = std::get_if<std::vector<std::string>>(&attribute.value)) {
-            value = py::cast(*texts);
+            py::list list;
+            for (const std::string& entry : *texts) list.append(text_object(entry));
+            value = std::move(list);
         } else {
             value = py::cast(std::get<std::vector<double>>(attribute.value));
         }
-        result[py::str(attribute.name)] = value;
+        result[text_object(attribute.name)] = value;
     }
     return result;
 }

@@ -123,7 +123,8 @@ void bind_gbuffer(py::module_& module) {
         .def_readonly("name", &ChannelInfo::name, "\"normal\", \"base_color\", or any shader parameter's name.")
         .def_readonly("components", &ChannelInfo::components)
         .def_readonly("sources", &ChannelInfo::sources, "The file's channels.")
-        .def_readonly("file", &ChannelInfo::file, "The file they stand in; empty for arrays.")
+        .def_property_readonly(
+            "file", [](const ChannelInfo& c) { return file_name(c.file); }, "The file they stand in; empty for arrays.")
         .def_readonly("part", &ChannelInfo::part)
         .def_readonly("interpretation", &ChannelInfo::interpretation, "\"world space, -1..1\"")
         .def_readonly("reason", &ChannelInfo::reason, "Why it is taken so.")

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -8,6 +10,7 @@
 #include "relume/frames.h"
 #include "relume/isa.h"
 #include "relume/version.h"
+#include "text/printable.h"
 
 PYBIND11_MODULE(_relume, module) {
     namespace py = pybind11;
@@ -41,12 +44,17 @@ PYBIND11_MODULE(_relume, module) {
         "use_isa", [](const std::string& isa) { relume::use_isa(isa); }, py::arg("isa"),
         "From now on use this instruction set; not while relight() runs in another thread.");
     module.def(
-        "is_pattern", [](const std::string& name) { return relume::is_pattern(name); }, py::arg("name"),
-        "Whether the name has a place for the frame number: ####, %04d or {frame}.");
+        "is_pattern", [](const std::filesystem::path& name) { return relume::is_pattern(name.string()); },
+        py::arg("name"), "Whether the name has a place for the frame number: ####, %04d or {frame}.");
     module.def(
         "resolve_frame",
-        [](const std::string& pattern, std::int64_t frame) { return relume::resolve_frame(pattern, frame); },
+        [](const std::filesystem::path& pattern, std::int64_t frame) {
+            return file_name(relume::resolve_frame(pattern.string(), frame));
+        },
         py::arg("pattern"), py::arg("frame"), "The name of one frame.");
+    module.def(
+        "printable", [](const py::bytes& text) { return relume::printable(text); }, py::arg("text"),
+        "The text as UTF-8 on one line: control characters escaped, bytes that are not UTF-8 read as Latin-1.");
     module.def(
         "parse_frames", [](const std::string& text) { return relume::parse_frames(text); }, py::arg("text"),
         "The frames of \"1001-1100x2,1200\".");

@@ -6,6 +6,7 @@
 
 #include "cryptomatte/cryptomatte.h"
 #include "relume/error.h"
+#include "text/printable.h"
 
 namespace relume::cryptomatte {
 
@@ -24,6 +25,8 @@ public:
         if (!take('}')) {
             do {
                 std::string name = string();
+                // Some writers know no UTF-8; a name of control characters is JSON's good right.
+                if (!is_utf8(name)) name = printable(name);
                 expect(':');
                 const std::size_t at = position_;
                 const std::string digits = string();
@@ -198,7 +201,7 @@ std::vector<LayerInfo> layer_infos(const io::Header& header) {
             const std::string &key = split->first, &field = split->second;
             auto layer = std::find_if(layers.begin(), layers.end(), [&](const LayerInfo& l) { return l.key == key; });
             if (layer == layers.end()) layer = layers.insert(layers.end(), LayerInfo{key, {}, {}, {}});
-            if (field == "name") layer->name = *text;
+            if (field == "name") layer->name = printable(*text);
             if (field == "manifest") layer->manifest = *text;
             if (field == "manif_file") layer->manifest_file = *text;
         }
@@ -215,7 +218,7 @@ std::map<std::string, std::uint32_t> load_manifest(const LayerInfo& layer, const
         if (layer.manifest_file.empty()) return {};
         const std::filesystem::path file(layer.manifest_file);
         if (!stays_in_folder(file)) {
-            notes.push_back(what + "its manif_file '" + layer.manifest_file +
+            notes.push_back(what + "its manif_file '" + printable(layer.manifest_file) +
                             "' leaves the EXR's folder and is not read");
             return {};
         }
@@ -224,7 +227,8 @@ std::map<std::string, std::uint32_t> load_manifest(const LayerInfo& layer, const
         const std::uintmax_t size = std::filesystem::file_size(path, error);
         std::ifstream stream(path, std::ios::binary);
         if (error || !stream || size > kLargestManifest) {
-            notes.push_back(what + "its manifest " + path.string() + " can't be read; names are matched by their hash");
+            notes.push_back(what + "its manifest " + printable(path.string()) +
+                            " can't be read; names are matched by their hash");
             return {};
         }
         const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};

@@ -5,6 +5,7 @@
 
 #include "gbuffer/attributes.h"
 #include "gbuffer/names.h"
+#include "text/printable.h"
 
 namespace relume::gbuffer {
 
@@ -50,7 +51,11 @@ std::vector<const Component*> Layer::pick(std::string_view letters) const {
 std::vector<std::string> views(const io::Header& header) {
     for (const io::Part& part : header.parts) {
         if (const io::Attribute* attribute = find_attribute(part, "multiView")) {
-            if (const auto* list = std::get_if<std::vector<std::string>>(&attribute->value)) return *list;
+            const auto* list = std::get_if<std::vector<std::string>>(&attribute->value);
+            if (!list) continue;
+            std::vector<std::string> names;
+            for (const std::string& name : *list) names.push_back(printable(name));
+            return names;
         }
     }
     std::vector<std::string> result;
@@ -96,7 +101,7 @@ std::vector<Layer> index_layers(const io::Header& header, int file, std::string_
                 Layer fresh;
                 fresh.name = name;
                 fresh.hint = header.parts.size() > 1 && !part.name.empty() ? without_view(part.name, view)
-                                                                           : std::string(last_word(file_stem));
+                                                                           : printable(last_word(file_stem));
                 fresh.view = view;
                 fresh.part = part.name;
                 fresh.data = interop && *interop == "data";

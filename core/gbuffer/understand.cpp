@@ -10,6 +10,7 @@
 #include "gbuffer/stored_image.h"
 #include "relume/error.h"
 #include "relume/working_space.h"
+#include "text/printable.h"
 
 namespace relume::gbuffer {
 
@@ -399,7 +400,7 @@ private:
                 if (info.name == name) layer.manifest = cryptomatte::load_manifest(info, source.path, impl_->notes);
             }
             std::vector<std::string>& names = impl_->crypto_names[name];
-            for (const auto& entry : layer.manifest) names.push_back(entry.first);
+            for (const auto& entry : layer.manifest) names.push_back(printable(entry.first));
             impl_->crypto_layers.push_back(std::move(layer));
         }
     }

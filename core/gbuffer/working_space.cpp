@@ -4,6 +4,7 @@
 #include "gbuffer/attributes.h"
 #include "gbuffer/gbuffer_impl.h"
 #include "relume/working_space.h"
+#include "text/printable.h"
 
 namespace relume::gbuffer {
 
@@ -18,7 +19,8 @@ std::optional<std::pair<std::string, std::string>> stated_working_space(const io
     const std::string* interop = beauty ? text_attribute(*beauty, "colorInteropID") : nullptr;
     if (!interop || *interop == "data") interop = text_attribute(header, "colorInteropID");
     if (interop && *interop != "data" && *interop != "unknown" && !interop->empty()) {
-        return std::pair(canonical_space(*interop), "the header's colorInteropID is " + *interop);
+        const std::string name = printable(*interop);
+        return std::pair(canonical_space(name), "the header's colorInteropID is " + name);
     }
     const std::vector<double>* xy = numbers_attribute(header, "chromaticities", 8);
     if (!xy) return std::nullopt;

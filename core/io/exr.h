@@ -50,7 +50,7 @@ struct Attribute {
 };
 
 struct Channel {
-    std::string name;  ///< full name as in the file: "ViewLayer.Normal.X"
+    std::string name;  ///< full name, made printable: "ViewLayer.Normal.X"
     PixelType type = PixelType::half;
     int x_sampling = 1;
     int y_sampling = 1;

@@ -8,6 +8,7 @@
 
 #include "io/exr_attribute.h"
 #include "relume/error.h"
+#include "text/printable.h"
 
 namespace relume::io {
 
@@ -118,7 +119,8 @@ private:
             if (entry.x_sampling < 1 || entry.y_sampling < 1) {
                 fail("channel '" + std::string(entry.name.str) + "' has a sampling rate below 1");
             }
-            part.channels.push_back({std::string(entry.name.str, static_cast<std::size_t>(entry.name.length)),
+            // A name goes to every program that a user has: none of them expects more than a printable one.
+            part.channels.push_back({printable({entry.name.str, static_cast<std::size_t>(entry.name.length)}),
                                      to_pixel_type(entry.pixel_type), entry.x_sampling, entry.y_sampling,
                                      entry.p_linear != 0});
         }
@@ -150,7 +152,8 @@ private:
                     part.attributes.push_back(std::move(*attribute));
                 }
             } else if (source->type == EXR_ATTR_STRING && source->string->str != nullptr) {
-                const std::string text(source->string->str, static_cast<std::size_t>(source->string->length));
+                const std::string text =
+                    printable({source->string->str, static_cast<std::size_t>(source->string->length)});
                 if (name == "name") {
                     part.name = text;
                 } else if (name == "view") {

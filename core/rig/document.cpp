@@ -8,6 +8,7 @@
 #include "rig/problem.h"
 #include "rig/tomlplusplus.h"
 #include "rig/value_text.h"
+#include "text/printable.h"
 
 namespace relume::rigfile {
 
@@ -234,24 +235,6 @@ bool is_word(std::string_view text) {
     };
     return !text.empty() && !(text[0] >= '0' && text[0] <= '9') && text[0] != '-' &&
            std::all_of(text.begin(), text.end(), in_word);
-}
-
-/// As RFC 3629 has it: no overlong forms, no surrogates, nothing above U+10FFFF.
-bool is_utf8(std::string_view text) {
-    for (std::size_t at = 0; at < text.size();) {
-        const auto lead = static_cast<unsigned char>(text[at++]);
-        if (lead < 0x80) continue;
-        const int more = lead >= 0xF0 ? 3 : lead >= 0xE0 ? 2 : 1;
-        if (lead < 0xC2 || lead > 0xF4) return false;
-        char32_t code = lead & (0x3Fu >> more);
-        for (int k = 0; k < more; ++k, ++at) {
-            if (at >= text.size() || (static_cast<unsigned char>(text[at]) & 0xC0u) != 0x80u) return false;
-            code = (code << 6) | (static_cast<unsigned char>(text[at]) & 0x3Fu);
-        }
-        constexpr char32_t kLeast[] = {0, 0x80, 0x800, 0x10000};
-        if (code < kLeast[more] || code > 0x10FFFF || (code >= 0xD800 && code <= 0xDFFF)) return false;
-    }
-    return true;
 }
 
 /// The line of a syntax error, and what is often meant by it.

@@ -5,6 +5,7 @@
 
 #include "relume/rig.h"
 #include "rig/problem.h"
+#include "text/printable.h"
 
 namespace relume {
 
@@ -82,18 +83,10 @@ namespace rigfile {
 
 std::string one_line(std::string_view text) {
     constexpr std::size_t kMost = 60;
-    std::string out;
-    std::size_t i = 0;
-    for (; i < text.size(); ++i) {
-        const auto c = static_cast<unsigned char>(text[i]);
-        if (i >= kMost && (c & 0xC0u) != 0x80u) break;  // never inside a UTF-8 sequence
-        if (i >= kMost + 4) break;
-        constexpr char kDigits[] = "0123456789abcdef";
-        if (c == '\n') out += "\\n";
-        else if (c < 0x20 || c == 0x7F) (out += "\\x") += {kDigits[c >> 4], kDigits[c & 15]};
-        else out += text[i];
-    }
-    return out + (i < text.size() ? "…" : "");
+    std::size_t end = std::min(text.size(), kMost);
+    // never inside a UTF-8 sequence
+    while (end < text.size() && end < kMost + 4 && (static_cast<unsigned char>(text[end]) & 0xC0u) == 0x80u) ++end;
+    return printable(text.substr(0, end)) + (end < text.size() ? "…" : "");
 }
 
 std::string in_quotes(std::string_view text) { return "'" + one_line(text) + "'"; }

@@ -46,6 +46,7 @@ __all__: list[str] = [
     "output_parameters",
     "parse_frames",
     "plugin_reports",
+    "printable",
     "quantize8",
     "quantize16",
     "relight",
@@ -601,7 +602,7 @@ def evaluate_float(
     """
 
 def gbuffer_parameters() -> tuple[Parameter, ...]: ...
-def is_pattern(name: str) -> bool:
+def is_pattern(name: os.PathLike[str] | str | bytes) -> bool:
     """
     Whether the name has a place for the frame number: ####, %04d or {frame}.
     """
@@ -629,6 +630,11 @@ def parse_frames(text: str) -> list[int]:
     """
 
 def plugin_reports() -> list[PluginReport]: ...
+def printable(text: bytes) -> str:
+    """
+    The text as UTF-8 on one line: control characters escaped, bytes that are not UTF-8 read as Latin-1.
+    """
+
 def quantize16(value: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> typing.Any:
     """
     0…1 to the nearest of 65536 codes.
@@ -662,7 +668,7 @@ def relight_file(
     Into an EXR.
     """
 
-def resolve_frame(pattern: str, frame: typing.SupportsInt | typing.SupportsIndex) -> str:
+def resolve_frame(pattern: os.PathLike[str] | str | bytes, frame: typing.SupportsInt | typing.SupportsIndex) -> str:
     """
     The name of one frame.
     """

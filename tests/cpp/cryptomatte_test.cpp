@@ -49,6 +49,7 @@ TEST(Cryptomatte, ReadsManifests) {
     EXPECT_EQ(manifest.at("a\"\\/\b\n"), 15u);
     EXPECT_EQ(manifest.at("р😀"), 0xf19c73fdu);
     EXPECT_EQ(manifest.at("b"), 1u);
+    EXPECT_EQ(parse_manifest("{\"caf\xe9\":\"2\"}", "x").at("caf\u00e9"), 2u) << "Latin-1";
 }
 
 TEST(Cryptomatte, DamagedManifestsAreNamed) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // libFuzzer's target for the whole reading path: an EXR of any bytes is understood as a G-buffer and every channel of
-// it read in canonical form, or gives an Error of one line.
+// it read in canonical form, or gives an Error; what is said of it is UTF-8 on one line.
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -13,6 +13,7 @@
 #include "relume/error.h"
 #include "relume/gbuffer.h"
 #include "relume/shader.h"
+#include "text/printable.h"
 
 namespace relume {
 
@@ -32,6 +33,24 @@ const ShaderInfo* find_shader(std::string_view name) { return name == kShader.na
 namespace {
 
 constexpr std::int64_t kMostValues = 1 << 20;
+
+void expect_printable(std::string_view text) {
+    if (text != printable(text)) std::abort();
+}
+
+void check_words(const GBuffer& gbuffer) {
+    for (const ChannelInfo& info : gbuffer.channels()) {
+        for (const std::string& text : {info.name, info.part, info.interpretation, info.reason}) expect_printable(text);
+        for (const std::string& source : info.sources) expect_printable(source);
+    }
+    for (const std::string& note : gbuffer.notes()) expect_printable(note);
+    for (const auto& [layer, names] : gbuffer.cryptomatte()) {
+        expect_printable(layer);
+        for (const std::string& name : names) expect_printable(name);
+    }
+    expect_printable(gbuffer.working_space());
+    expect_printable(gbuffer.camera_reason());
+}
 
 void read_all(const GBuffer& gbuffer) {
     const Window window = gbuffer.data_window();
@@ -65,9 +84,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     relume::GBufferOptions options;
     options.max_pixels = 1 << 20;
     try {
-        relume::read_all(relume::GBuffer::read(path, options));
+        const relume::GBuffer gbuffer = relume::GBuffer::read(path, options);
+        relume::check_words(gbuffer);
+        relume::read_all(gbuffer);
     } catch (const relume::Error& error) {
-        if (std::string(error.what()).find('\n') != std::string::npos) std::abort();
+        relume::expect_printable(error.what());
     }
     return 0;
 }

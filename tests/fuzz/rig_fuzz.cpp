@@ -12,6 +12,7 @@
 #include "relume/error.h"
 #include "relume/rig.h"
 #include "relume/shader.h"
+#include "text/printable.h"
 
 namespace relume {
 
@@ -38,7 +39,7 @@ void demand(bool holds) {
 
 void check_message(const Error& error) {
     const std::string message = error.what();
-    demand(message.size() < 1000 && message.find('\n') == std::string::npos);
+    demand(message.size() < 1000 && message == printable(message));
 }
 
 void load(const std::string& text) {

@@ -359,3 +359,58 @@ def test_every_command_names_what_is_missing(tmp_path: Path, arguments: tuple[st
     assert 0 < ran.code < 126
     assert "nothing.here" in ran.err
     assert len(ran.err.strip().splitlines()) == 1, ran.err
+
+
+def rename_channels(path: Path, names: dict[bytes, bytes]) -> None:
+    """Patch names in a header, which no writer of today would write, to names of the same length."""
+    data = path.read_bytes()
+    for old, new in names.items():
+        assert len(old) == len(new)
+        assert old in data
+        data = data.replace(old, new)
+    path.write_bytes(data)
+
+
+def sources_of(gbuffer: relume.GBuffer, semantic: str) -> list[str]:
+    return next(info.sources for info in gbuffer.channels if info.name == semantic)
+
+
+def test_names_of_a_file_that_are_no_text_are_shown_and_asked_for_as_text(folder: Folder) -> None:
+    channels = flat_channels()
+    for letter in "XYZ":
+        channels[f"lookAAAA.{letter}"] = channels.pop(f"N.{letter}")
+    write_exr(folder.gbuffer, channels)
+    rename_channels(folder.gbuffer, {b"lookAAAA": b"d\xe9\n\x1b[31m", b"roughness": b"roughnes\x07"})
+    shown = "d\u00e9\\n\\x1b[31m"
+    message = folder.refused(named=str(folder.gbuffer), says="no normal channel")
+    assert f"'{shown}'" in message
+    assert "roughnes\\x07" in message
+    ran = folder.relight("--channel", f"normal={shown}")
+    assert ran.code == 0, ran
+    assert np.abs(read_exr(folder.output)["G"]).max() > 0
+    ran = run_relume("inspect", folder.gbuffer, "--channel", f"normal={shown}")
+    assert ran.code == 0, ran
+    assert f"{shown}.XYZ" in ran.out
+    assert "\x1b" not in ran.out + ran.err
+    assert "\x07" not in ran.out + ran.err
+    gbuffer = relume.GBuffer.read(folder.gbuffer, channels={"normal": shown})
+    assert sources_of(gbuffer, "normal") == [f"{shown}.{letter}" for letter in "XYZ"]
+
+
+def test_a_view_whose_name_is_no_text(tmp_path: Path) -> None:
+    channels = {f"leAA.{name}": array for name, array in flat_channels().items()}
+    path = write_exr(tmp_path / "stereo.exr", channels, multiView=["leAA", "right"])
+    rename_channels(path, {b"leAA": b"l\xe9\n!"})
+    gbuffer = relume.GBuffer.read(path)
+    assert sources_of(gbuffer, "normal")[0] == "l\u00e9\\n!.N.X"
+
+
+def test_files_whose_names_are_no_text(folder: Folder) -> None:
+    strange = folder.path / os.fsdecode(b"sh\xe9t\n.exr")
+    folder.gbuffer.rename(strange)
+    folder.gbuffer = strange
+    assert folder.relight().code == 0
+    assert relume.GBuffer.read(strange).channels[0].file == str(strange)
+    strange.write_bytes(b"no picture")
+    folder.output.write_bytes(OLD)
+    folder.refused(named="sh\u00e9t\\n.exr", says="not an EXR")

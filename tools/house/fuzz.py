@@ -12,15 +12,20 @@ from house import build
 from house.checkout import ROOT, StepError, say
 
 # Program, folders of seeds, the longest input, further options.
+_WORDS = "-dict=tests/fuzz/words.dict"
 _TARGETS = {
-    "exr_fuzz": (["tests/data/exr"], 20_000, ["-malloc_limit_mb=300"]),
-    "gbuffer_fuzz": (["tests/data/exr"], 20_000, ["-malloc_limit_mb=300"]),
+    "exr_fuzz": (["tests/data/exr"], 20_000, ["-malloc_limit_mb=300", _WORDS]),
+    "gbuffer_fuzz": (["tests/data/exr"], 20_000, ["-malloc_limit_mb=300", _WORDS]),
     "rig_fuzz": (["examples/rigs"], 2_000, []),
 }
 
 
-def run(seconds: int) -> None:
+def run(seconds: int, seed: int = 0) -> None:
     """Fuzz each target for that long. What is found stays in build/fuzz/corpus and is where the next run begins.
+
+    Args:
+        seconds: for each target.
+        seed: of libFuzzer's random numbers; 0 is another one each time.
 
     Raises:
         StepError: an input crashed a target, or took more than 5 s or 300 MB; the message names its file.
@@ -36,6 +41,7 @@ def run(seconds: int) -> None:
             directory / "tests" / "fuzz" / name,
             f"-max_total_time={seconds}",
             f"-max_len={longest}",
+            f"-seed={seed}",
             "-timeout=5",
         ]
         command += ["-rss_limit_mb=1000", "-print_final_stats=1", f"-artifact_prefix={found}/", *options]

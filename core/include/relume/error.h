@@ -23,10 +23,10 @@ enum class ErrorKind : std::uint8_t {
 };
 
 /// The one exception type of librelume. `what()` says what is wrong, where (file, channel, line and column) and what to
-/// do about it, in one line.
+/// do about it, in one line of UTF-8: whatever a file or a user put into it is escaped.
 class RELUME_API Error : public std::runtime_error {
 public:
-    Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}
+    Error(ErrorKind kind, const std::string& message);
     ErrorKind kind() const noexcept { return kind_; }
 
 private:

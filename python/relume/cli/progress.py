@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from relume.cli.report import one_line
+from relume.cli.report import one_line, printable
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -111,7 +111,7 @@ class Follower:
 
     def message(self, text: str) -> None:
         """A line that stays."""
-        click.echo(text, err=True)
+        click.echo(printable(text), err=True)
 
     def summary(self, interrupted: bool) -> None:
         """What became of the frames."""
@@ -175,7 +175,7 @@ class Follower:
 
     def _emit(self, event: str, **fields: object) -> None:
         if self._json:
-            click.echo(json.dumps({"event": event} | fields, ensure_ascii=False))
+            click.echo(json.dumps({"event": event} | fields))
             sys.stdout.flush()
 
 
@@ -203,7 +203,7 @@ class _Bar(Follower):
         self._show()
 
     def message(self, text: str) -> None:
-        self._bar.console.print(text, markup=False)
+        self._bar.console.print(printable(text), markup=False)
 
 
 @contextmanager
@@ -229,7 +229,8 @@ def _named(result: FrameResult) -> str:
     """What went wrong, with the file and the frame."""
     assert result.error is not None
     text, frame = one_line(result.error), result.frame
-    named = text if frame.source in text or str(frame.output) in text else f"{frame.source}: {text}"
+    source, output = printable(frame.source), printable(frame.output)
+    named = text if source in text or output in text else f"{source}: {text}"
     return named if frame.number is None else f"{frame.title}: {named}"
 
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from typing import TYPE_CHECKING
 
@@ -19,13 +20,20 @@ _PIPE_WIDTH = 200
 def one_line(error: BaseException) -> str:
     """What went wrong, without a traceback (RELUME_DEBUG=1 shows it)."""
     if isinstance(error, Error):
-        return " ".join(str(error).split())
+        return printable(" ".join(str(error).split()))
     if isinstance(error, MemoryError):
         return "out of memory"
     if isinstance(error, OSError):
-        name = f"{error.filename}: " if error.filename else ""
+        name = f"{printable(error.filename)}: " if error.filename else ""
         return f"{name}{error.strerror or error}"
     return f"internal error, please report it (RELUME_DEBUG=1 shows more): {type(error).__name__}: {error}"
+
+
+def printable(text: object) -> str:
+    """The text on one line without control characters; what a file's name has that is not UTF-8 is read as Latin-1."""
+    from relume import _relume
+
+    return _relume.printable(os.fsencode(str(text)))
 
 
 def exit_code_of(error: BaseException) -> int:
