@@ -8,8 +8,16 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <utility>
+
+#ifdef RELUME_OPENEXR_BUNDLED
+namespace ojph {  // inside of the bundled archive, which brings no header of it
+void set_warning_stream(std::FILE* stream);
+void set_error_stream(std::FILE* stream);
+}  // namespace ojph
+#endif
 
 namespace relume::io {
 
@@ -97,6 +105,11 @@ CoreContext& CoreContext::operator=(CoreContext&& other) noexcept {
 }
 
 exr_context_initializer_t core_initializer() {
+#ifdef RELUME_OPENEXR_BUNDLED
+    // OpenJPH, which decodes HTJ2K, would print to standard output and error what Core returns as an error.
+    static const bool silent = (ojph::set_warning_stream(nullptr), ojph::set_error_stream(nullptr), true);
+    static_cast<void>(silent);
+#endif
     exr_context_initializer_t initializer = EXR_DEFAULT_CONTEXT_INITIALIZER;
     initializer.error_handler_fn = keep_first_message;
     return initializer;
@@ -107,9 +120,6 @@ void clear_core_error() noexcept { first_message[0] = '\0'; }
 std::string take_core_error(exr_result_t code) {
     std::string message = first_message[0] != '\0' ? first_message.data() : exr_get_default_error_message(code);
     clear_core_error();
-    // Headers are hostile: no control characters of theirs reach a terminal through us.
-    std::replace_if(
-        message.begin(), message.end(), [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }, '?');
     while (!message.empty() && (message.back() == '.' || message.back() == ' ')) {
         message.pop_back();
     }

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstdlib>
+#include <ctime>
 #include <random>
 
 #include "exr_test_image.h"
@@ -255,7 +255,7 @@ TEST(ExrDamage, SizesThatAreLies) {
         };
         for (const auto& box : boxes) {
             write_bytes(folder / "lie.exr", with_data_window(bytes, box));
-            const auto start = std::chrono::steady_clock::now();
+            const std::clock_t start = std::clock();  // of the CPU, since others may have the machine
             try {
                 const ExrReader reader(folder / "lie.exr");
                 const Window& window = reader.header().parts[0].data_window;
@@ -266,7 +266,7 @@ TEST(ExrDamage, SizesThatAreLies) {
             } catch (const Error& error) {
                 EXPECT_EQ(error.kind(), ErrorKind::format) << error.what();
             }
-            EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(1));
+            EXPECT_LT(std::clock() - start, CLOCKS_PER_SEC);
         }
     }
     EXPECT_LT(largest_allocation, std::size_t{100} << 20);

@@ -2,7 +2,7 @@
 // Headers and names that nobody would write in good faith: an error or an answer, never a crash, and never long.
 #include <gtest/gtest.h>
 
-#include <chrono>
+#include <ctime>
 #include <random>
 
 #include "gbuffer/names.h"
@@ -148,15 +148,14 @@ TEST(HostileGBuffer, ThousandsOfLayersTakeNoTime) {
     for (int i = 0; i < 60; ++i) deep += "a.";
     for (int i = 0; i < 4000; ++i)
         part.channels.push_back({deep + std::to_string(i) + ".X", PixelType::half, 1, 1, false});
-    const auto start = std::chrono::steady_clock::now();
+    const std::clock_t start = std::clock();
     gbuffer::SourceFile file;
     file.path = "many.exr";
     file.header = header;
     file.layers = gbuffer::index_layers(file.header, 0, "many");
     file.producer = gbuffer::detect_producer(file.header, file.layers);
     EXPECT_THROW(gbuffer::understand(std::move(file), {}, 1), Error);
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    EXPECT_LT(took.count(), 5.0);
+    EXPECT_LT(std::clock() - start, 5 * CLOCKS_PER_SEC);
 }
 
 TEST(HostileGBuffer, OtherFilesAreNamed) {

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
@@ -95,6 +96,12 @@ def run_for_memory(*arguments: object) -> tuple[Ran, int]:
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
     *out, peak = done.stdout.splitlines()
     return Ran(done.returncode, "\n".join(out), done.stderr), 1024 * int(peak)
+
+
+def cpu_seconds(process: int) -> float:
+    """What a process has used of the CPUs, which says how long it worked however busy the machine is."""
+    after_name = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    return (int(after_name[11]) + int(after_name[12])) / os.sysconf("SC_CLK_TCK")
 
 
 @pytest.fixture(scope="session")

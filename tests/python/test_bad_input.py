@@ -10,9 +10,11 @@ import struct
 from pathlib import Path
 
 import numpy as np
+import OpenEXR
 import pytest
 import relume
 from conftest import KEY, Ran, flat_channels, read_exr, run_for_memory, run_relume, write_exr
+from relume import _relume
 
 OLD = b"what was there before"
 
@@ -414,3 +416,26 @@ def test_files_whose_names_are_no_text(folder: Folder) -> None:
     strange.write_bytes(b"no picture")
     folder.output.write_bytes(OLD)
     folder.refused(named="sh\u00e9t\\n.exr", says="not an EXR")
+
+
+@pytest.mark.skipif("bundled" not in _relume.openexr_build(), reason="the system's OpenEXR has no HTJ2K")
+def test_a_damaged_htj2k_chunk_is_one_line_alone(folder: Folder) -> None:
+    """Its decoder has messages of its own, for standard output among others."""
+    random = np.random.default_rng(5)
+    noise = {name: random.random((64, 64), np.float32) for name in flat_channels()}
+    write_exr(folder.gbuffer, noise, compression=OpenEXR.HTJ2K256_COMPRESSION)
+    whole = folder.gbuffer.read_bytes()
+    failed = 0
+    for _ in range(10):
+        damaged = bytearray(whole)
+        for at in random.integers(len(whole) // 4, len(whole), 40):
+            damaged[at] = random.integers(256)
+        folder.gbuffer.write_bytes(damaged)
+        ran = folder.relight()
+        assert ran.out == ""
+        if ran.code == 0:  # the damage was of pixels alone
+            folder.output.write_bytes(OLD)
+            continue
+        failed += 1
+        check_refusal(ran, str(folder.gbuffer), 1)
+    assert failed > 2

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import relume
-from conftest import KEY, flat_channels, read_exr, write_exr
+from conftest import KEY, cpu_seconds, flat_channels, read_exr, write_exr
 from relume import GBuffer, Rig, relight, relight_file, shaders
 
 SUN = np.array([0.3, -0.8, -0.5])
@@ -234,10 +234,10 @@ def test_an_exception_in_progress_stops_the_work(ggx_rig: Rig) -> None:
         if share < 1:
             raise EnoughError
 
-    start = time.monotonic()
+    start = time.process_time()  # whatever else the machine does
     with pytest.raises(EnoughError):
         relight(big_gbuffer(), Rig.loads(KEY), out=big_out(), progress=progress)
-    assert time.monotonic() - start < 5
+    assert time.process_time() - start < 5, "the whole takes tens of seconds"
 
 
 def test_the_gil_is_released() -> None:
@@ -285,11 +285,11 @@ def test_ctrl_c() -> None:
         assert process.stdout is not None
         assert process.stdout.readline() == "ready\n"
         time.sleep(0.3)
-        start = time.monotonic()
+        start = cpu_seconds(process.pid)
         process.send_signal(signal.SIGINT)
         assert process.stdout.readline() == "interrupted\n"
-        assert time.monotonic() - start < 3
-        assert process.wait(10) == 0
+        assert cpu_seconds(process.pid) - start < 1
+        assert process.wait(30) == 0
 
 
 def test_many_at_once(ggx_rig: Rig) -> None:

@@ -161,7 +161,10 @@ def test_killed_at_random_moments(shot: Path) -> None:
         with subprocess.Popen([*command, "--skip-existing"], cwd=shot, stderr=subprocess.DEVNULL) as process:
             time.sleep(moments.uniform(0.3, 1.0) * usual)
             process.send_signal(signal.SIGKILL)
-        killed += process.returncode == -signal.SIGKILL
+        if process.returncode == -signal.SIGKILL:
+            killed += 1
+        else:
+            usual *= 0.9  # the machine was busier when it was measured
         for output in shot.glob("out*"):
             with OpenEXR.File(str(output)) as file:
                 np.testing.assert_array_equal(file.channels()["RGBA"].pixels, expected)

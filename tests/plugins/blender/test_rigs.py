@@ -208,10 +208,10 @@ def test_range_stops(scene: Any, folder: Path, module: Callable[[str], Any]) -> 
     work = module("relight_range").Work(frames_of(scene), rig)
     share, _ = work.news.get(timeout=30)
     assert 0 <= share < 1
+    before = len(work.results)
     work.stop()
-    start = time.perf_counter()
     work.wait()
-    assert time.perf_counter() - start < 5
+    assert len(work.results) < before + 8
     done = [result for result in work.results if result.status == "done"]
     assert work.error is None and len(done) < 200
     files = sorted(path.name for path in (folder / "relit").iterdir())
