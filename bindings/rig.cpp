@@ -97,6 +97,8 @@ void bind_rig(py::module_& module) {
         .def("of_frame", &Rig::of_frame, py::arg("frame"), "at(frame), with its number in the names of files.")
         .def("main_file", &Rig::main_file, "The G-buffer's file, None when the rig names none.")
         .def("input_files", &Rig::input_files, "Every file that the rig names.")
+        .def("resolve_files", &Rig::resolve_files, py::arg("folder"),
+             "Relative names of files become those of that folder.")
         .def(
             "channel_sources",
             [](const Rig& rig) {

@@ -251,6 +251,10 @@ class Rig:
     def remove_light(self, name: str) -> None: ...
     def remove_shader(self, index: typing.SupportsInt | typing.SupportsIndex) -> None: ...
     def rename_light(self, name: str, to: str) -> None: ...
+    def resolve_files(self, folder: os.PathLike[str] | str | bytes) -> None:
+        """
+        Relative names of files become those of that folder.
+        """
     def set(self, key: str, value: str) -> None:
         """
         A dotted key; the value is TOML.

@@ -17,9 +17,10 @@ import numpy as np
 import OpenEXR
 import pytest
 import relume
-from conftest import KEY, flat_channels, run_relume, write_exr
+from conftest import KEY, flat_channels, read_exr, run_relume, write_exr
 from relume.farm import dask
 from relume.farm.openjd import chunks, job_template
+from relume.frames import parse_frames
 from relume.sequence import Frame
 
 
@@ -130,7 +131,7 @@ def test_chunks() -> None:
     assert chunks(range(1, 8), 3) == ["1-3", "4-6", "7"]
     assert chunks([1, 3, 5, 7, 20, 23, 24], 4) == ["1-7x2", "20,23,24"]
     for values in (range(-3, 40, 3), [5, 9, 10, 11, 40]):
-        back = [n for chunk in chunks(values, 4) for n in relume.frames.parse_frames(chunk)]
+        back = [n for chunk in chunks(values, 4) for n in parse_frames(chunk)]
         assert back == list(values)
 
 
@@ -154,6 +155,34 @@ def test_openjd_checks_and_runs(shot: Path) -> None:
     expected = relume.relight(shot / "shot.0001.exr", rig)["beauty"].astype(np.float16)
     with OpenEXR.File(str(shot / "out.0006.exr")) as file:
         np.testing.assert_array_equal(file.channels()["RGBA"].pixels, expected)
+
+
+def test_files_that_are_set_mean_the_same_on_every_worker(shot: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Tasks of a farm have a current folder of their own; a file's name on the command line is of this one's."""
+    rough = np.full((4, 6), 0.9, np.float32)
+    for n in range(1, 7):
+        write_exr(shot / f"rough.{n:04}.exr", {"roughness": rough})
+    more = ["--channel", "roughness=rough.####.exr", "--set", "gbuffer.channels.metallic=rough.####.exr"]
+    assert run_relume("relight", "shot.####.exr", "--rig", "key.relume", "-o", "at.####.exr", *more, cwd=shot).code == 0
+    ran = run_relume(
+        "farm", "openjd", "shot.####.exr", "--rig", "key.relume", "-o", "out.####.exr", *more, "--set",
+        "light.key.exposure=0", "--template", "job.json", cwd=shot,
+    )  # fmt: skip
+    assert ran.code == 0, ran
+    script = json.loads((shot / "job.json").read_text())["steps"][0]["script"]["actions"]["onRun"]["args"]
+    assert f"roughness={shot}/rough.####.exr" in script
+    assert f"gbuffer.channels.metallic={shot}/rough.####.exr" in script
+    assert "light.key.exposure=0" in script
+    elsewhere = tmp_path_factory.mktemp("elsewhere")
+    values = {"{{Param.GBuffer}}": "shot.####.exr", "{{Param.Rig}}": "key.relume", "{{Param.Output}}": "out.####.exr"}
+    words = [str(shot / values[w]) if w in values else "1-6" if w.startswith("{{Task") else w for w in script]
+    ran = run_relume(*words, cwd=elsewhere)
+    assert ran.code == 0, ran
+    pixels = {name: read_exr(shot / name)["G"] for name in ("at.0001.exr", "out.0001.exr", "out.0006.exr")}
+    np.testing.assert_array_equal(pixels["out.0001.exr"], pixels["at.0001.exr"])
+    np.testing.assert_array_equal(pixels["out.0006.exr"], pixels["at.0001.exr"])
+    as_it_is = relume.relight(shot / "shot.0001.exr", relume.Rig.loads(KEY))["beauty"][..., 1]
+    assert np.abs(pixels["out.0001.exr"] - as_it_is).max() > 0.01
 
 
 def test_openjd_refuses(shot: Path) -> None:

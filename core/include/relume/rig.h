@@ -155,6 +155,8 @@ public:
     std::optional<std::string> main_file() const;
     /// Every file that the rig names: the main one, those of channels and of tables.
     std::vector<std::filesystem::path> input_files() const;
+    /// Relative names of files become those of that folder, as load() does with its rig's; for names that were set.
+    void resolve_files(const std::filesystem::path& folder);
 
     /// Same contents; `path` is not compared.
     bool operator==(const Rig& other) const;

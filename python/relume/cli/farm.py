@@ -5,10 +5,14 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from relume.cli.options import gbuffer_options, load_rig, set_option
+
+if TYPE_CHECKING:
+    from relume.rig import Rig
 
 
 @click.group("farm")
@@ -52,8 +56,8 @@ def openjd(
     numbers = [frame.number for frame in plan(source, rig, output, frames) if frame.number is not None]
     if not numbers:
         raise click.UsageError(f"{source}: one file; a farm's job wants a sequence, as shot.####.exr")
-    extra = [word for setting in settings for word in ("--set", setting)]
-    extra += [word for channel in channels for word in ("--channel", channel)]
+    extra = [word for setting in settings for word in ("--set", _absolute(rig, setting))]
+    extra += [word for channel in channels for word in ("--channel", _absolute(rig, channel, "gbuffer.channels."))]
     extra += [word for name, value in (("--part", part), ("--view", view)) if value for word in (name, value)]
     where = str(Path(rig_path).absolute()) if Path(rig_path).exists() else rig_path
     template = job_template(
@@ -64,6 +68,13 @@ def openjd(
         click.echo(text, nl=False)
     else:
         write_atomically(Path(template_path), text.encode())
+
+
+def _absolute(rig: Rig, setting: str, section: str = "") -> str:
+    """KEY=VALUE as the rig holds it where it names a file: a worker has another current folder."""
+    key = setting.partition("=")[0].strip()
+    value = rig.get(section + key)
+    return f"{key}={value}" if value in map(str, rig._rig.input_files()) else setting
 
 
 def _escaped(words: list[str]) -> list[str]:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 import click
@@ -78,6 +79,8 @@ def load_rig(
             rig.gbuffer.part = part
         if view is not None:
             rig.gbuffer.view = view
+        # A worker of a farm has another current folder.
+        rig._rig.resolve_files(Path.cwd())
     except Error as error:
         raise RigFailure(one_line(error)) from error
     return rig
