@@ -237,7 +237,8 @@ class GBuffer:
 
         Returns:
             By name (H, W, 3) or (H, W) arrays, views of planar memory. Row 0 is the top of the data window. Normals are
-            unit, in world space, 0 on background; colours linear, in the working space; both divided by coverage.
+            unit, in world space, 0 on background; colours linear, in the working space; both divided by coverage. What
+            is asked for by the file's own names is not converted, only divided by coverage where samples were averaged.
 
         Raises:
             ChannelError: there is none of that name.
