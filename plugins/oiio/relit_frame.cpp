@@ -5,6 +5,7 @@
 #include <cstring>
 #include <list>
 
+#include "gbuffer/release_buffers.h"
 #include "io/file_state.h"
 #include "relight/blank_frame.h"
 #include "relight/output_header.h"
@@ -52,6 +53,9 @@ std::shared_ptr<RelitFrame> RelitFrame::get(Rig rig) {
     }
     cache.frames.push_front(std::make_shared<RelitFrame>(std::move(rig), std::move(key)));
     if (cache.frames.size() > kFrames) cache.frames.pop_back();
+    // Of the others few will be read again: their buffers are larger than all else of them.
+    for (const std::shared_ptr<RelitFrame>& other : cache.frames)
+        if (other != cache.frames.front()) gbuffer::release_buffers(other->gbuffer_);
     return cache.frames.front();
 }
 
