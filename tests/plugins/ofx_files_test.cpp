@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <thread>
 
 #include "io/exr.h"
@@ -232,6 +233,22 @@ void write_crop(const fs::path& from, const fs::path& to, const Window& data, co
     io::ExrWriter writer(to, header);
     writer.write(0, data.y, data.height, planes);
     writer.commit();
+}
+
+TEST_F(OfxFilesTest, ScalesAndAspectsThatAreNoneAreOne) {
+    const fs::path file = write("shot.exr");
+    Node node(host, name::kContextGenerator);
+    node.set("gbuffer_file", file.string());
+    node.set("rig", rig_file);
+    const std::vector<float> wanted = by_library(file, Rig::load(rig_file));
+    const double infinity = std::numeric_limits<double>::infinity();
+    for (const double none : {0.0, -1.0, std::nan(""), infinity, -infinity}) {
+        node.set_project(1920, 1080, none, none, none);
+        node.clip(name::kClipOutput).properties.set<double>(name::kPropImageAspect, 0, none);
+        if (none == -1) node.set_project(1920, 1080);  // a place like any other
+        ASSERT_EQ(render(node, {.window = kFrame, .scale = none}, got), kOk) << node.instance().message;
+        EXPECT_EQ(got, wanted) << none;
+    }
 }
 
 TEST_F(OfxFilesTest, DataWindowBesideTheDisplayWindow) {
