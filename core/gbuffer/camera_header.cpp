@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "gbuffer/attributes.h"
 #include "gbuffer/camera_fit.h"
 #include "gbuffer/dense.h"
+#include "text/number_format.h"
 
 namespace relume::gbuffer {
 
@@ -225,11 +225,7 @@ void set_lens(Camera& camera, const Window& display, double pixel_aspect, double
 }
 
 std::optional<HeaderLens> header_lens(const io::Header& header) {
-    const auto text = [](const char* pattern, double a, double b = 0) {
-        std::array<char, 96> buffer{};
-        std::snprintf(buffer.data(), buffer.size(), pattern, a, b);
-        return std::string(buffer.data());
-    };
+    const auto text = [](const char* pattern, double a, double b = 0) { return format_numbers(pattern, {a, b}); };
     std::vector<std::string> fields{"cameraFov", "camera/fov", "fov"};
     for (const io::Part& part : header.parts) {
         for (const io::Attribute& attribute : part.attributes) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include "gbuffer/camera_fit.h"
@@ -10,6 +9,7 @@
 #include "gbuffer/sampling.h"
 #include "gbuffer/sightings.h"
 #include "relume/error.h"
+#include "text/number_format.h"
 
 namespace relume::gbuffer {
 
@@ -21,11 +21,7 @@ constexpr std::size_t kFewSightings = 500;  ///< fewer, and it is worth looking 
 constexpr std::size_t kLeastSightings = 24;
 constexpr double kLargestError = 1.5;  ///< pixels, median: more is no camera
 
-std::string format(const char* pattern, double a, double b = 0) {
-    char text[200];
-    std::snprintf(text, sizeof text, pattern, a, b);
-    return text;
-}
+std::string format(const char* pattern, double a, double b = 0) { return format_numbers(pattern, {a, b}); }
 
 /// A given matrix with axes of unit length.
 std::array<double, 16> checked_pose(std::array<double, 16> m) {

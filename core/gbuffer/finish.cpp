@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "gbuffer/gbuffer_impl.h"
 #include "gbuffer/names.h"
 #include "gbuffer/normal_variance.h"
 #include "gbuffer/sampling.h"
 #include "relume/error.h"
+#include "text/number_format.h"
 
 namespace relume {
 
@@ -43,17 +43,9 @@ namespace relume::gbuffer {
 
 namespace {
 
-std::string percent(double share) {
-    char text[16];
-    std::snprintf(text, sizeof text, "%.3g %%", 100 * share);
-    return text;
-}
+std::string percent(double share) { return format_numbers("%.3g %%", {100 * share}); }
 
-std::string number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.4g", value);
-    return text;
-}
+std::string number(double value) { return format_numbers("%.4g", {value}); }
 
 /// The planes that detection looks at, each sampled once.
 class Sample {

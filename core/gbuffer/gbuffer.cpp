@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "gbuffer/gbuffer_impl.h"
+#include "gbuffer/release_buffers.h"
 #include "gbuffer/stored_image.h"
 
 namespace relume {
@@ -18,6 +19,7 @@ public:
     void read(const Window& region, std::span<const io::ReadTarget> targets) const override {
         reader_.read(region, targets);
     }
+    int release_buffers() const override { return reader_.release_buffers(); }
     const io::Header& header() const { return reader_.header(); }
 
 private:
@@ -44,6 +46,12 @@ SourceFile open_file(const std::filesystem::path& path, const io::ReadLimits& li
     file.producer = detect_producer(file.header, file.layers);
     file.pixels = std::move(pixels);
     return file;
+}
+
+int release_buffers(const GBuffer& gbuffer) {
+    int decoders = 0;
+    for (const SourceFile& file : gbuffer.impl().files) decoders += file.pixels->release_buffers();
+    return decoders;
 }
 
 }  // namespace gbuffer

@@ -29,6 +29,7 @@ class PixelSource {
 public:
     virtual ~PixelSource() = default;
     virtual void read(const Window& region, std::span<const io::ReadTarget> targets) const = 0;
+    virtual int release_buffers() const { return 0; }
 };
 
 struct SourceFile {

@@ -7,6 +7,7 @@
 #include "gbuffer/pixel_steps.h"
 #include "gbuffer/understood_frames.h"
 #include "relume/error.h"
+#include "text/number_format.h"
 
 namespace relume {
 
@@ -55,7 +56,7 @@ std::unique_ptr<GBuffer::Impl> set_up(const MemoryFrame& frame, const std::map<s
                                           " pixels are more than max_pixels allows");
     }
     if (!(frame.pixel_aspect > 0) || !std::isfinite(frame.pixel_aspect)) {
-        throw Error(ErrorKind::value, "G-buffer in memory: a pixel aspect of " + std::to_string(frame.pixel_aspect));
+        throw Error(ErrorKind::value, format_numbers("G-buffer in memory: a pixel aspect of %g", {frame.pixel_aspect}));
     }
     auto impl = std::make_unique<GBuffer::Impl>();
     impl->data_window = frame.data_window;

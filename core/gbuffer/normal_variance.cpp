@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <optional>
+
+#include "text/number_format.h"
 
 namespace relume::gbuffer {
 
@@ -18,11 +19,7 @@ constexpr double kOutliers = 1e-3;
 /// Share of the short normals that must turn. Of Blender's antialiased frames it is 0.999, of interpolated ones 0.
 constexpr double kTurning = 0.8;
 
-std::string percent(double share) {
-    char text[16];
-    std::snprintf(text, sizeof text, "%.3g %%", 100 * share);
-    return text;
-}
+std::string percent(double share) { return format_numbers("%.3g %%", {100 * share}); }
 
 /// The dead zone that the planes' types ask for.
 float stored_precision(const GBuffer::Impl& impl, const std::vector<int>& planes) {

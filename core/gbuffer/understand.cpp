@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cctype>
 #include <set>
 
 #include "cryptomatte/cryptomatte.h"
@@ -20,8 +19,9 @@ namespace {
 std::string parameter_name(std::string_view layer) {
     std::string name;
     for (const char c : layer) {
-        name.push_back(
-            c == ' ' || c == '-' || c == '.' ? '_' : static_cast<char>(std::tolower(static_cast<unsigned char>(c))));
+        // Not tolower(): the host's locale may be Turkish, where that leaves an I as it is.
+        const bool capital = c >= 'A' && c <= 'Z';
+        name.push_back(c == ' ' || c == '-' || c == '.' ? '_' : capital ? static_cast<char>(c - 'A' + 'a') : c);
     }
     return name;
 }

@@ -90,4 +90,11 @@ DecoderPool::Lease DecoderPool::borrow() {
     return Lease(*this, std::move(decoder));
 }
 
+int DecoderPool::clear() {
+    std::vector<std::unique_ptr<ChunkDecoder>> idle;  // destroyed without the lock
+    const std::lock_guard lock(mutex_);
+    idle.swap(idle_);
+    return static_cast<int>(idle.size());
+}
+
 }  // namespace relume::io

@@ -67,6 +67,8 @@ public:
     DecoderPool(exr_const_context_t context, int part, bool zip_rows)
         : context_(context), part_(part), zip_rows_(zip_rows) {}
     Lease borrow();
+    /// Destroys those that are idle, and says how many.
+    int clear();
 
 private:
     exr_const_context_t context_;

@@ -110,6 +110,9 @@ public:
     /// Error(file) when somebody has written into the file since it was opened.
     void read(const Window& region, std::span<const ReadTarget> targets) const;
 
+    /// Gives back the memory that reads keep for the next one; the number of decoders that had some.
+    int release_buffers() const;
+
     /// Whether every chunk of every part is in the file, without decoding any: false for what a killed writer left.
     bool is_whole() const;
 

@@ -10,6 +10,7 @@
 #include "io/exr_attribute.h"
 #include "io/exr_header.h"
 #include "relume/error.h"
+#include "text/number_format.h"
 
 namespace relume::io {
 
@@ -177,7 +178,7 @@ Header normalized_for_writing(const Header& header) {
             refuse(header, i, "all parts must have the same windows and pixel aspect ratio");
         }
         if (!(part.pixel_aspect > 1e-6f && part.pixel_aspect < 1e6f)) {
-            refuse(header, i, "the pixel aspect ratio " + std::to_string(part.pixel_aspect) + " is out of range");
+            refuse(header, i, format_numbers("the pixel aspect ratio %g is out of range", {part.pixel_aspect}));
         }
         if (header.parts.size() > 1) {
             check_name(header, i, part.name, "a part of a multi-part file");

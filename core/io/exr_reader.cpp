@@ -254,6 +254,12 @@ const Header& ExrReader::header() const { return impl_->header; }
 
 const std::filesystem::path& ExrReader::path() const { return impl_->path; }
 
+int ExrReader::release_buffers() const {
+    int decoders = 0;
+    for (DecoderPool& pool : impl_->pools) decoders += pool.clear();
+    return decoders;
+}
+
 bool ExrReader::is_whole() const {
     bool whole = true;
     for (int part = 0; whole && part < static_cast<int>(impl_->header.parts.size()); ++part) {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "gbuffer/band_reader.h"
+#include "relight/blank_frame.h"
 #include "relight/output_header.h"
 #include "relight/plan.h"
 #include "relight/shade_pass.h"
@@ -85,8 +86,8 @@ public:
             for (const auto& [name, count] : worker->pass.nonfinite) report.nonfinite[name] += count;
         }
         report.pixels = static_cast<std::int64_t>(wanted(window.width)) * wanted(window.height);
-        for (const auto& [name, count] : report.nonfinite)
-            if (count > 0 && count >= report.shaded && !options_.region) refuse_blank(name, count);
+        // A part of a frame may well have no more than that.
+        if (window == gbuffer_.data_window()) refuse_blank(gbuffer_, report.shaded, report.nonfinite);
         report.warnings = plan.warnings;
         report.notes = plan.notes;
         report.seconds = std::chrono::duration<double>(Clock::now() - start_).count();
@@ -98,15 +99,6 @@ public:
     RelightReport report;
 
 private:
-    /// A frame that a renderer filled with NaN is no picture, black as it would come out.
-    [[noreturn]] void refuse_blank(const std::string& name, std::int64_t count) const {
-        const ChannelInfo* info = gbuffer_.find(name);
-        const std::string file = info != nullptr && !info->file.empty() ? info->file + ": " : "";
-        throw Error(ErrorKind::format, file + name + " is NaN or infinite in all " + std::to_string(count) +
-                                           " pixels that hold a surface: nothing is left to light; render the frame "
-                                           "again");
-    }
-
     /// How many of so many pixels are shaded.
     int wanted(int pixels) const { return pixels / options_.step + (pixels % options_.step != 0); }
 

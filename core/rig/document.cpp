@@ -296,8 +296,10 @@ Node::Table parse(const Source& source) {
     }
 }
 
-Node parse_value(std::string_view text) {
-    if (!is_utf8(text)) throw Problem(Problem::Cause::type, "the value is not UTF-8", "; a rig holds nothing else");
+Node parse_value(std::string_view text, std::string_view key) {
+    if (!is_utf8(text))
+        throw Problem(Problem::Cause::type, "the value of " + in_quotes(key) + " is not UTF-8",
+                      "; a rig holds nothing else");
     const std::string word(trimmed(text));
     const Node bare{{}, Value(word)};
     // One value on one line; a second line could bring keys of its own.

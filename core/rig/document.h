@@ -55,7 +55,7 @@ struct Source {
 Node::Table parse(const Source& source);
 
 /// A value as on the command line: TOML, or a bare word. Tables come as Node::Table. Throws Problem(type) when it
-/// starts like TOML's strings, lists or tables and is none.
-Node parse_value(std::string_view text);
+/// starts like TOML's strings, lists or tables and is none. `key`: what it is the value of, for messages.
+Node parse_value(std::string_view text, std::string_view key);
 
 }  // namespace relume::rigfile

@@ -109,7 +109,7 @@ std::string as_text(const Value& value, std::string_view what) {
 class Setter {
 public:
     Setter(Rig& rig, std::string_view dotted, std::string_view text)
-        : rig_(rig), dotted_(dotted), text_(text), parts_(split(dotted)), node_(rigfile::parse_value(text)) {}
+        : rig_(rig), dotted_(dotted), text_(text), parts_(split(dotted)), node_(rigfile::parse_value(text, dotted)) {}
 
     void set() {
         const std::string& section = parts_.front();

@@ -42,7 +42,8 @@ std::optional<OfxRectD> project_format(const Instance& instance) {
     std::array<double, 2> size{}, offset{};
     if (!p.get(name::kPropProjectSize, size) || !(size[0] > 0) || !(size[1] > 0)) return std::nullopt;
     if (size[0] > kInfinite || size[1] > kInfinite) return std::nullopt;
-    if (!p.get(name::kPropProjectOffset, offset)) offset = {};
+    const auto placed = [](double v) { return std::abs(v) < kInfinite; };
+    if (!p.get(name::kPropProjectOffset, offset) || !placed(offset[0]) || !placed(offset[1])) offset = {};
     return OfxRectD{offset[0], offset[1], offset[0] + size[0], offset[1] + size[1]};
 }
 

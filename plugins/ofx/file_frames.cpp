@@ -13,6 +13,7 @@
 #include "../cache_budget.h"
 #include "abortable.h"
 #include "clip_gbuffer.h"
+#include "gbuffer/release_buffers.h"
 #include "relight_picture.h"
 #include "relume/error.h"
 #include "relume/relight.h"
@@ -218,6 +219,8 @@ std::shared_ptr<const FileGBuffer> understand_file(const std::filesystem::path& 
     });
     all.entries.push_front({path, options, file, keep ? 2 : relight ? 1 : 0, keep});
     if (all.entries.size() > kMostUnderstood) all.entries.pop_back();
+    for (const Understood::Entry& entry : all.entries)
+        if (entry.file != file) gbuffer::release_buffers(entry.file->gbuffer);
     return file;
 }
 

@@ -2,8 +2,8 @@
 #include "node_rig.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <sstream>
 
@@ -11,6 +11,7 @@
 #include "relume/frames.h"
 #include "relume/light.h"
 #include "relume/shader.h"
+#include "rig/value_text.h"
 
 namespace relume::ofx {
 
@@ -37,9 +38,11 @@ std::vector<double> numbers(const std::string& name, std::string text) {
     std::istringstream stream(text);
     std::vector<double> values;
     for (std::string word; stream >> word;) {
-        char* end = nullptr;
-        values.push_back(std::strtod(word.c_str(), &end));
-        if (*end != '\0') throw Error(ErrorKind::parameter, name + ": '" + word + "' is not a number");
+        // Not strtod(): many a host has chosen a locale whose numbers have commas.
+        const std::string_view digits = std::string_view(word).substr(word.starts_with('+') ? 1 : 0);
+        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), values.emplace_back());
+        if (error != std::errc() || end != digits.data() + digits.size())
+            throw Error(ErrorKind::parameter, name + ": '" + word + "' is not a number");
     }
     return values;
 }
@@ -103,35 +106,6 @@ std::optional<Value> knob_value(const Instance& instance, const Knob& knob, doub
     return std::nullopt;
 }
 
-std::string number_text(double v) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.17g", v);
-    return text;
-}
-
-/// As TOML, for Rig::set.
-std::string toml(const Value& value) {
-    if (const auto* v = std::get_if<bool>(&value)) return *v ? "true" : "false";
-    if (const auto* v = std::get_if<std::int64_t>(&value)) return std::to_string(*v);
-    if (const auto* v = std::get_if<double>(&value)) return number_text(*v);
-    const auto list = [](std::span<const double> numbers) {
-        std::string text = "[";
-        for (const double n : numbers) text += (text.size() > 1 ? ", " : "") + number_text(n);
-        return text + "]";
-    };
-    if (const auto* v = std::get_if<std::array<double, 3>>(&value)) return list(*v);
-    if (const auto* v = std::get_if<std::vector<double>>(&value)) return list(*v);
-    if (const auto* v = std::get_if<std::string>(&value)) {
-        std::string text = "\"";
-        for (const char c : *v) {
-            if (c == '"' || c == '\\') text += '\\';
-            text += c;
-        }
-        return text + "\"";
-    }
-    throw std::logic_error("a value that no section holds");
-}
-
 const Knob& knob_at(int index) { return layout().knobs[static_cast<std::size_t>(index)]; }
 
 std::string free_name(const Rig& rig, const std::string& wanted) {
@@ -167,7 +141,7 @@ void add_light(Rig& rig, const Instance& instance, const LightKnobs& knobs, doub
                 value = knob.type == ParameterType::scalar ? Value(knob.value[0]) : Value(knob.value);
             if (!value) continue;
             if (optional && knob.type != ParameterType::vector)
-                rig.set("light." + light.name + "." + key, toml(*value));
+                rig.set("light." + light.name + "." + key, rigfile::value_text(*value, knob.type));
             else added.values.set(type->parameters, key, *value, what);
         }
     }
@@ -220,7 +194,8 @@ NodeRig node_rig(const Instance& instance, double time) {
     for (const SectionKnobs& section : layout().sections)
         for (std::size_t k = 0; k < section.knobs.size(); ++k)
             if (const auto value = knob_value(instance, knob_at(section.knobs[k]), time))
-                node.rig.set(section.path + "." + std::string(section.keys[k]), toml(*value));
+                node.rig.set(section.path + "." + std::string(section.keys[k]),
+                             rigfile::value_text(*value, knob_at(section.knobs[k]).type));
     for (const LightKnobs& light : layout().lights) add_light(node.rig, instance, light, time);
     if (node.rig.lights.empty() && instance.integer(own::kWorkLight, time, 1) != 0) add_work_light(node.rig);
     // At the time, which may lie between frames; names of files are the frame's.

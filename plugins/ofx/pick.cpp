@@ -60,7 +60,8 @@ Surface surface_at(const GBuffer& gbuffer, int x, int y) {
     return surface;
 }
 
-int floor_of(double x) { return static_cast<int>(std::floor(std::min(std::max(x, -1e9), 1e9))); }
+/// What is no number lies far outside.
+int floor_of(double x) { return static_cast<int>(std::floor(x > -1e9 ? std::min(x, 1e9) : -1e9)); }
 
 Surface picked_surface(const Instance& instance, const std::array<double, 2>& point, double time, double scale_x,
                        double scale_y) {

@@ -27,12 +27,14 @@ struct RenderArguments {
     OfxRectI window{};
 };
 
+bool is_scale(double value) { return value > 0 && std::isfinite(value); }
+
 RenderArguments arguments(const Properties& in) {
     RenderArguments a;
     a.time = in.number(name::kPropTime, 0);
     a.scale_x = in.number(name::kPropRenderScale, 1, 0);
     a.scale_y = in.number(name::kPropRenderScale, 1, 1);
-    if (!(a.scale_x > 0) || !(a.scale_y > 0)) a.scale_x = a.scale_y = 1;
+    if (!is_scale(a.scale_x) || !is_scale(a.scale_y)) a.scale_x = a.scale_y = 1;
     std::array<int, 4> w{};
     if (!in.get(name::kPropRenderWindow, w)) throw Error(ErrorKind::value, "the host gives no render window");
     a.window = {w[0], w[1], w[2], w[3]};
@@ -88,7 +90,7 @@ void render_clips(const Instance& instance, const NodeRig& node, const RenderArg
 double output_aspect(const Instance& instance) {
     const double project = effect_properties(instance.effect()).number(name::kPropProjectAspect, 1);
     const double clip = instance.clip_properties(name::kClipOutput).number(name::kPropImageAspect, project);
-    return clip > 0 ? clip : 1;
+    return is_scale(clip) ? clip : 1;
 }
 
 void render_file(const Instance& instance, const NodeRig& node, const std::string& file, const RenderArguments& a) {

@@ -5,7 +5,9 @@
 #include <cstring>
 #include <list>
 
+#include "gbuffer/release_buffers.h"
 #include "io/file_state.h"
+#include "relight/blank_frame.h"
 #include "relight/output_header.h"
 #include "relight/plan.h"
 #include "relume/error.h"
@@ -51,6 +53,9 @@ std::shared_ptr<RelitFrame> RelitFrame::get(Rig rig) {
     }
     cache.frames.push_front(std::make_shared<RelitFrame>(std::move(rig), std::move(key)));
     if (cache.frames.size() > kFrames) cache.frames.pop_back();
+    // Of the others few will be read again: their buffers are larger than all else of them.
+    for (const std::shared_ptr<RelitFrame>& other : cache.frames)
+        if (other != cache.frames.front()) gbuffer::release_buffers(other->gbuffer_);
     return cache.frames.front();
 }
 
@@ -67,6 +72,7 @@ RelitFrame::RelitFrame(Rig rig, std::string key)
     const auto count = static_cast<std::size_t>((window().height + kTile - 1) / kTile);
     strips_.resize(count);
     busy_.resize(count);
+    seen_.resize(count);
 }
 
 std::size_t RelitFrame::strip_bytes() const {
@@ -75,7 +81,22 @@ std::size_t RelitFrame::strip_bytes() const {
     return components * size_of(type_) * static_cast<std::size_t>(window().width) * kTile;
 }
 
-std::shared_ptr<const Block> RelitFrame::render(int first_strip, int strips) {
+/// What a render says of the strips that nobody has seen. Called with the lock.
+void RelitFrame::take_note(int first_strip, int strips, const RelightReport& report) {
+    if (seen_[static_cast<std::size_t>(first_strip)]) return;
+    std::fill_n(seen_.begin() + first_strip, strips, true);
+    if (report.shaded == 0) return;
+    std::map<std::string, std::int64_t> in_all;
+    for (const auto& [name, count] : report.nonfinite) {
+        const auto before = nonfinite_.find(name);
+        if (count >= report.shaded && (surfaces_ == 0 || before != nonfinite_.end()))
+            in_all[name] = count + (surfaces_ == 0 ? 0 : before->second);
+    }
+    nonfinite_ = std::move(in_all);
+    surfaces_ += report.shaded;
+}
+
+RelitFrame::Render RelitFrame::render(int first_strip, int strips) {
     auto block = std::make_shared<Block>();
     block->first_row = first_strip * kTile;
     block->rows = std::min(strips * kTile, window().height - block->first_row);
@@ -104,9 +125,9 @@ std::shared_ptr<const Block> RelitFrame::render(int first_strip, int strips) {
     }
     RelightOptions options;
     options.region = Window{window().x, window().y + block->first_row, window().width, block->rows};
-    relight(gbuffer_, rig_, out, options);
+    RelightReport report = relight(gbuffer_, rig_, out, options);
     rendered_rows_ += block->rows;
-    return block;
+    return {std::move(block), std::move(report)};
 }
 
 void RelitFrame::read(int picture, int x, int x_end, int y, int y_end, std::byte* out, std::ptrdiff_t stride,
@@ -141,22 +162,30 @@ void RelitFrame::read(int picture, int x, int x_end, int y, int y_end, std::byte
         if (block) {
             BlockCache::instance().touch(block);
         } else {
-            const auto finish = [&](const std::shared_ptr<const Block>& made) {
+            Render made;
+            const auto finish = [&] {
                 const std::scoped_lock lock(mutex_);
                 for (int k = strip; k < strip + claimed; ++k) {
                     busy_[static_cast<std::size_t>(k)] = false;
-                    if (made) strips_[static_cast<std::size_t>(k)] = made;
+                    if (made.block) strips_[static_cast<std::size_t>(k)] = made.block;
                 }
+                if (made.block) take_note(strip, claimed, made.report);
                 rendered_.notify_all();
             };
             try {
-                block = render(strip, claimed);
+                made = render(strip, claimed);
             } catch (...) {
-                finish(nullptr);
+                finish();
                 throw;
             }
+            block = made.block;
             BlockCache::instance().add(block);
-            finish(block);
+            finish();
+        }
+        {
+            const std::scoped_lock lock(mutex_);
+            if (!nonfinite_.empty() && std::find(seen_.begin(), seen_.end(), false) == seen_.end())
+                refuse_blank(gbuffer_, surfaces_, nonfinite_);
         }
         const int end = std::min(bottom, block->first_row + block->rows);
         const auto row_bytes = pixel * static_cast<std::size_t>(window().width);

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -46,7 +47,8 @@ public:
 
     /// Pixels of [x, x_end) × [y, y_end) (of the data window, in its coordinates) of one picture, components
     /// interleaved, into rows `stride` bytes apart. `ahead`: rows below them that will be asked for next, rendered
-    /// along with them where these are not there. Errors: those of relight().
+    /// along with them where these are not there. Errors: those of relight(), and where all rows have been rendered
+    /// that of a frame of NaN.
     void read(int picture, int x, int x_end, int y, int y_end, std::byte* out, std::ptrdiff_t stride, int ahead = 0);
 
     const std::string& key() const { return key_; }
@@ -54,7 +56,12 @@ public:
     std::int64_t rendered_rows() const { return rendered_rows_; }
 
 private:
-    std::shared_ptr<const Block> render(int first_strip, int strips);
+    struct Render {
+        std::shared_ptr<const Block> block;
+        RelightReport report;
+    };
+    Render render(int first_strip, int strips);
+    void take_note(int first_strip, int strips, const RelightReport& report);
     std::size_t strip_bytes() const;
 
     const std::string key_;
@@ -68,6 +75,9 @@ private:
     std::condition_variable rendered_;
     std::vector<std::weak_ptr<const Block>> strips_;  ///< held by the cache of blocks
     std::vector<bool> busy_;                          ///< being rendered by some thread
+    std::vector<bool> seen_;                          ///< rendered at least once
+    std::int64_t surfaces_ = 0;                       ///< pixels that hold one, of the strips that were seen
+    std::map<std::string, std::int64_t> nonfinite_;   ///< channels that were finite in none of them
     std::atomic<std::int64_t> rendered_rows_{0};
 };
 

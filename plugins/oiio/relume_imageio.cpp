@@ -11,6 +11,7 @@
 #include "oiio/stored_images.h"
 #include "relume/error.h"
 #include "relume/version.h"
+#include "rig/value_text.h"
 
 namespace {
 
@@ -21,11 +22,18 @@ constexpr OIIO::string_view kPrefix = "relume:";
 
 /// A host's hint as the TOML of a rig's key.
 std::string setting_text(const OIIO::ParamValue& hint) {
-    const auto type = hint.type();
-    if (type.basetype == OIIO::TypeDesc::STRING) return hint.get_string(0);
-    std::string text;
+    const OIIO::TypeDesc type = hint.type();
     const int count = static_cast<int>(type.basevalues()) * hint.nvalues();
-    for (int k = 0; k < count; ++k) text += (k > 0 ? ", " : "") + hint.get_string_indexed(k);
+    const bool strings = type.basetype == OIIO::TypeDesc::STRING;
+    if (strings && count == 1) return hint.get_string_indexed(0);
+    // A colour or matrix is one element of several numbers: the numbers are wanted, one by one.
+    const OIIO::TypeDesc list(static_cast<OIIO::TypeDesc::BASETYPE>(type.basetype), count);
+    const OIIO::ParamValue values(hint.name(), list, 1, hint.data());
+    std::string text;
+    for (int k = 0; k < count; ++k) {
+        const std::string value = values.get_string_indexed(k);
+        text += (k > 0 ? ", " : "") + (strings ? relume::rigfile::string_text(value) : value);
+    }
     return count > 1 ? '[' + text + ']' : text;
 }
 

@@ -56,13 +56,16 @@ std::int64_t frame_number(const std::string& text) {
 }  // namespace
 
 std::optional<RigName> parse_name(const std::string& name) {
-    const std::size_t query = name.rfind('?');
     RigName result;
     if (is_rig(name)) {
         result.path = name;
         return result;
     }
-    if (query == std::string::npos || !is_rig(std::string_view(name).substr(0, query))) return std::nullopt;
+    // A folder's name may have a question mark, and so may what the query says.
+    std::size_t query = name.find('?');
+    while (query != std::string::npos && !is_rig(std::string_view(name).substr(0, query)))
+        query = name.find('?', query + 1);
+    if (query == std::string::npos) return std::nullopt;
     result.path = name.substr(0, query);
     std::string_view rest = std::string_view(name).substr(query + 1);
     while (!rest.empty()) {

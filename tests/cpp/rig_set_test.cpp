@@ -155,7 +155,7 @@ TEST(RigSet, MistakesOfForm) {
     EXPECT_EQ(refusal("output.type.x", "1"), "'output.type.x' is not a key; write output.KEY");
     EXPECT_EQ(refusal("version", "1"), "'version' cannot be set; it belongs to the file");
     for (const char* value : {"\xff", "caf\xe9", "\xc0\x80", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\xe2\x82"})
-        EXPECT_EQ(refusal("gbuffer.part", value), "the value is not UTF-8; a rig holds nothing else");
+        EXPECT_EQ(refusal("gbuffer.part", value), "the value of 'gbuffer.part' is not UTF-8; a rig holds nothing else");
     EXPECT_EQ(set_and_get("gbuffer.part", "caf\u00e9 \u0436 \u20ac \U0001F600"),
               "\"caf\u00e9 \u0436 \u20ac \U0001F600\"");
     EXPECT_LT(refusal("shader.0.roughness", std::string(100000, 'x')).size(), 300u);

@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <thread>
+#include <vector>
 
 #include "ofx_scene.h"
 #include "relume/scenes.h"
+#include "threads/workers.h"
 
 namespace relume::ofx::test {
 namespace {
@@ -159,7 +162,29 @@ TEST(OfxFaultsTest, RenderWithoutCreateInstance) {
 
 // ---- stopping
 
-/// Renders, and tells the node to stop `delay` after it first asked; the milliseconds until it has.
+/// How many times as long as alone this machine takes at the moment, for what keeps all threads busy.
+double slowdown() {
+    constexpr double kMilliseconds = 10;
+    const auto work = [] {
+        const auto used = [] {
+            timespec now{};
+            clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+            return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+        };
+        for (const double start = used(); used() - start < kMilliseconds;) {
+        }
+    };
+    const auto start = Clock::now();
+    {
+        std::vector<std::jthread> others;
+        for (int k = 1; k < default_threads(); ++k) others.emplace_back(work);
+        work();
+    }
+    return std::max(1.0, std::chrono::duration<double, std::milli>(Clock::now() - start).count() / kMilliseconds);
+}
+
+/// Renders, and tells the node to stop `delay` after it first asked; the milliseconds until it has, of a machine that
+/// has nothing else to do.
 double time_to_stop(Node& node, const RenderJob& job, std::chrono::milliseconds delay, OfxStatus& status) {
     const auto never = Clock::time_point::max();
     std::atomic<Clock::time_point> stop{never};
@@ -168,10 +193,12 @@ double time_to_stop(Node& node, const RenderJob& job, std::chrono::milliseconds 
         return Clock::now() >= stop.load();
     };
     std::unique_ptr<Image> image;
+    const double before = slowdown();
     status = node.render(job, image);
     const auto end = Clock::now();
     node.instance().abort = nullptr;
-    return stop.load() == never ? 1e9 : std::chrono::duration<double, std::milli>(end - stop.load()).count();
+    if (stop.load() == never) return 1e9;
+    return std::chrono::duration<double, std::milli>(end - stop.load()).count() / std::max(before, slowdown());
 }
 
 // Everything is some fifty times as slow under a sanitizer: there it is about how a render ends, not about when.
@@ -182,6 +209,9 @@ constexpr double kSoon = 5000;
 constexpr int kLightCount = 1000, kRepeat = 16;
 constexpr double kSoon = 50;  // milliseconds
 #endif
+
+/// What else the machine does comes and goes.
+constexpr int kAttempts = 8;
 
 /// So many lights that a frame takes more than a second.
 class ManyLights {
@@ -219,7 +249,7 @@ TEST(OfxFaultsTest, StopsWithin50Milliseconds) {
         for (const int delay : {0, 10, 40, 150}) {
             if (delay > 40 && count < kLightCount) continue;  // it would be over
             double best = 1e9;
-            for (int attempt = 0; attempt < 4 && best > kSoon; ++attempt) {
+            for (int attempt = 0; attempt < kAttempts && best > kSoon; ++attempt) {
                 OfxStatus status = kFailed;
                 best = std::min(best, time_to_stop(node, {.window = large}, std::chrono::milliseconds(delay), status));
                 EXPECT_EQ(status, kOk);
@@ -241,7 +271,7 @@ TEST(OfxFaultsTest, StopsWithin50MillisecondsOfAFile) {
         node.set("rig", lights.file());
         for (const int delay : {0, 10, 40, 150}) {
             double best = 1e9;
-            for (int attempt = 0; attempt < 4 && best > kSoon; ++attempt) {
+            for (int attempt = 0; attempt < kAttempts && best > kSoon; ++attempt) {
                 OfxStatus status = kFailed;
                 node.act(name::kActionPurgeCaches, &node.instance());
                 best = std::min(

@@ -3,10 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
+#include <array>
+#include <clocale>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <thread>
 
 #include "io/exr.h"
@@ -231,6 +235,22 @@ void write_crop(const fs::path& from, const fs::path& to, const Window& data, co
     writer.commit();
 }
 
+TEST_F(OfxFilesTest, ScalesAndAspectsThatAreNoneAreOne) {
+    const fs::path file = write("shot.exr");
+    Node node(host, name::kContextGenerator);
+    node.set("gbuffer_file", file.string());
+    node.set("rig", rig_file);
+    const std::vector<float> wanted = by_library(file, Rig::load(rig_file));
+    const double infinity = std::numeric_limits<double>::infinity();
+    for (const double none : {0.0, -1.0, std::nan(""), infinity, -infinity}) {
+        node.set_project(1920, 1080, none, none, none);
+        node.clip(name::kClipOutput).properties.set<double>(name::kPropImageAspect, 0, none);
+        if (none == -1) node.set_project(1920, 1080);  // a place like any other
+        ASSERT_EQ(render(node, {.window = kFrame, .scale = none}, got), kOk) << node.instance().message;
+        EXPECT_EQ(got, wanted) << none;
+    }
+}
+
 TEST_F(OfxFilesTest, DataWindowBesideTheDisplayWindow) {
     const fs::path plain = write("plain.exr"), file = folder / "crop.exr";
     // Overscan to the left and above, a crop to the right and below.
@@ -260,14 +280,13 @@ TEST_F(OfxFilesTest, FileThatChangesIsReadAgain) {
     node.connect("Source", Picture(kFrame, [](int, int, int) { return 0.5f; }));
     node.set("rig", rig_file);
     for (int k = 0; k < 3; ++k) {
+        // Another file under the same name, as renderers write them: it shows whatever the clock's ticks are.
         const fs::path file = write("shot.exr", 1.3 * k);
         node.set("gbuffer_file", file.string());
         ASSERT_EQ(render(node, {.window = kFrame}, got), kOk) << node.instance().message;
         EXPECT_EQ(got, by_library(file, rig)) << k;
         ASSERT_EQ(render(node, {.window = kFrame}, got), kOk);
         EXPECT_EQ(got, by_library(file, rig)) << k;
-        // The next write falls into another tick of the file system's clock.
-        std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
     // A rig that changes.
     const fs::path own_rig = folder / "own.relume";
@@ -350,6 +369,61 @@ TEST_F(OfxFilesTest, WhatIsWrongIsSaidAndTheNextPictureIsRight) {
     std::ofstream(folder / "bad.relume") << "[[light]]\ntype = \"sunn\"\n";
     fails(good.string(), (folder / "bad.relume").string(), "bad.relume:2");
     fails(good.string(), (folder / "absent.relume").string(), "absent.relume");
+}
+
+TEST_F(OfxFilesTest, TextsAreTakenAsTheyAre) {
+    const fs::path file = write("shot.exr");
+    Node node(host, name::kContextGenerator);
+    node.set("gbuffer_file", file.string());
+    node.set("rig", rig_file);
+    // What TOML has to escape is no mistake of the knob's: the file has no such part.
+    node.set("gbuffer_part", "a\n\"b\" \\c");
+    EXPECT_EQ(render(node, {.window = kFrame}, got), kFailed);
+    EXPECT_NE(node.instance().message.find(R"(in part 'a\n"b" \c')"), std::string::npos) << node.instance().message;
+}
+
+/// A locale whose numbers have commas, as hosts choose one for the whole process. Systems bring few: it is made here.
+class CommaLocale {
+public:
+    explicit CommaLocale(const fs::path& folder) {
+        if (!fs::exists("/usr/share/i18n/locales/de_DE")) return;
+        const std::string command = "localedef -i de_DE -f UTF-8 '" + (folder / "de_DE.UTF-8").string() + "'";
+        if (std::system(command.c_str()) != 0 || setenv("LOCPATH", folder.c_str(), 1) != 0) return;
+        chosen = std::setlocale(LC_ALL, "de_DE.UTF-8") != nullptr;
+    }
+    ~CommaLocale() {
+        std::setlocale(LC_ALL, "C");
+        unsetenv("LOCPATH");
+    }
+    CommaLocale(const CommaLocale&) = delete;
+    CommaLocale& operator=(const CommaLocale&) = delete;
+    bool chosen = false;
+};
+
+TEST_F(OfxFilesTest, NumbersHavePointsInEveryLocale) {
+    const fs::path file = write("shot.exr");
+    Node node(host, name::kContextGenerator);
+    node.set("gbuffer_file", file.string());
+    node.set("rig", rig_file);
+    node.set("camera_fov", 41.5);
+    node.set("camera_matrix", "1, 0, 0, +0.25, 0, 1, 0, 1.5, 0, 0, 1, 4.75, 0, 0, 0, 1");
+    node.choose("light1_type", "spot");
+    node.set("light1_position", std::vector{0.5, 2.5, 1.25});
+    node.set("light1_direction", std::vector{-0.1, -0.9, -0.3});
+    node.set("light1_power", 40.5);
+    node.set("overrides", "light.sun.exposure = -0.5");
+    ASSERT_EQ(render(node, {.window = kFrame}, got), kOk) << node.instance().message;
+    const std::vector<float> wanted = got;
+    const CommaLocale locale(folder);
+    if (!locale.chosen) GTEST_SKIP() << "no localedef, or no sources of locales";
+    std::array<char, 8> text{};
+    std::snprintf(text.data(), text.size(), "%.1f", 0.5);
+    ASSERT_STREQ(text.data(), "0,5");
+    node.act(name::kActionPurgeCaches, &node.instance());
+    ASSERT_EQ(render(node, {.window = kFrame}, got), kOk) << node.instance().message;
+    EXPECT_EQ(got, wanted);
+    node.set("camera_matrix", "1,0 0");
+    EXPECT_EQ(render(node, {.window = kFrame}, got), kFailed);
 }
 
 TEST_F(OfxFilesTest, OverridesThatAreWrongAreSaid) {

@@ -179,7 +179,8 @@ TEST_F(OfxLightsTest, PickInCameraSpaceLightsTheSameSpot) {
 TEST_F(OfxLightsTest, PickBesideTheSurfaceIsSaid) {
     node.choose("light1_type", "sun");
     const std::vector<double> before = node.numbers("light1_direction");
-    for (const auto& point : {std::vector{15.0, 52.0}, std::vector{-500.0, 3.0}, std::vector{1e300, 0.0}}) {
+    for (const auto& point :
+         {std::vector{15.0, 52.0}, std::vector{-500.0, 3.0}, std::vector{1e300, 0.0}, std::vector{std::nan(""), 3.0}}) {
         node.set("light1_pick", point);
         EXPECT_EQ(node.changed("light1_pick"), kFailed);
         EXPECT_NE(node.instance().message.find("point"), std::string::npos) << node.instance().message;
@@ -214,6 +215,9 @@ TEST(OfxPickTest, ReadsAFile) {
         ASSERT_EQ(node.changed("light1_pick"), kOk) << node.instance().message;
         const Triple n = at("normal", 51, 28), p = at("position", 51, 28);
         expect_near(node.numbers("light1_position"), {p[0] + n[0], p[1] + n[1], p[2] + n[2]});
+        node.set("light1_pick", std::vector{39.5, std::nan("")});
+        EXPECT_EQ(node.changed("light1_pick"), kFailed);
+        EXPECT_NE(node.instance().message.find("outside"), std::string::npos) << node.instance().message;
     }
     EXPECT_EQ(complaints(host), "");
 }

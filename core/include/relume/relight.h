@@ -52,7 +52,7 @@ RELUME_API std::vector<AovInfo> aovs(const Rig& rig);
 /// Relights into the caller's memory: for each AOV of aovs(rig) that `out` names, one plane per component over the
 /// data window (or the region), row 0 at the top, half or float32. Zero lights is an error (rig), a region that leaves
 /// the data window one of value, and so is (format) a channel that is NaN or infinite in every pixel that holds a
-/// surface, where no region is given.
+/// surface, where the whole frame is asked for.
 RELUME_API RelightReport relight(const GBuffer& gbuffer, const Rig& rig,
                                  const std::map<std::string, std::vector<Plane>>& out,
                                  const RelightOptions& options = {});

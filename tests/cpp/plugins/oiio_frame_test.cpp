@@ -2,11 +2,14 @@
 // What the OpenImageIO plugin is made of, without OpenImageIO: names, and frames that are rendered where they are read.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <random>
 #include <thread>
 
+#include "gbuffer_files.h"
 #include "oiio/relit_frame.h"
 #include "oiio/rig_name.h"
 #include "relume/error.h"
@@ -30,6 +33,8 @@ TEST(RigName, IsTheFileAndItsSettings) {
         {"light.key.exposure", "1"}, {"frame", "1003"}, {"camera.fov", "309.6"}};
     EXPECT_EQ(name->settings, wanted);
     EXPECT_EQ(parse_name("s.relume?a=100%&b=%zz")->settings[1].second, "%zz");
+    EXPECT_EQ(parse_name("a?b/s.relume?gbuffer.file=what?.exr")->path, "a?b/s.relume");
+    EXPECT_EQ(parse_name("a?b/s.relume?gbuffer.file=what?.exr")->settings[0].second, "what?.exr");
 }
 
 class RelitFrameTest : public testing::Test {
@@ -54,6 +59,15 @@ protected:
         options.samples = 1;
         options.time = time;
         write_scene("sdf", folder_ / ("shot." + std::to_string(frame) + ".exr"), options);
+    }
+    /// The same surface in every pixel, but for normals without a number, in all rows or all but those of one strip.
+    void write_nan(int frame, bool all) const {
+        const auto normal = [all](int, int y) { return all || y < kTile ? std::nan("") : 0.6; };
+        const auto grey = [](int, int) { return 0.5; };
+        test::MadePart part;
+        part.channels = {{"R", grey}, {"G", grey}, {"B", grey}, {"N.X", normal}, {"N.Y", normal}, {"N.Z", normal}};
+        test::write_exr(folder_ / ("shot." + std::to_string(frame) + ".exr"), {part},
+                        {{0, 0, 200, 150}, {0, 0, 200, 150}});
     }
     void rig(const std::string& gbuffer) const {
         std::ofstream(path())
@@ -203,6 +217,32 @@ TEST_F(RelitFrameTest, FramesOfASequence) {
     EXPECT_NE(by_tiles(*first, 0, 1), by_tiles(*second, 0, 1));
     EXPECT_EQ(frame("?frame=1002.0"), second);
     EXPECT_EQ(frame("?gbuffer.frame=1002"), second);
+}
+
+TEST_F(RelitFrameTest, AFrameOfNanIsRefusedHoweverItIsRead) {
+    write_nan(3001, true);
+    write_nan(3002, false);
+    const auto refusal = [](const std::function<void()>& read) {
+        try {
+            read();
+        } catch (const Error& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    const std::string words = "normal is NaN or infinite in all 30000 pixels";
+    std::vector<std::byte> out(std::size_t{200} * 150 * 8);
+    const auto whole_of = [&](RelitFrame& of) { of.read(0, 0, 200, 0, 150, out.data(), 200 * 8); };
+    EXPECT_NE(refusal([&] { whole_of(*frame("?frame=3001")); }).find(words), std::string::npos);
+    // By strips it shows with the last of them, and from then on.
+    const auto strips = frame("?frame=3001&light.key.exposure=1");
+    for (int y : {64, 128, 64}) EXPECT_EQ(refusal([&] { strips->read(0, 0, 200, y, y + 1, out.data(), 0); }), "");
+    for (int y : {0, 64, 0})
+        EXPECT_NE(refusal([&] { strips->read(0, 0, 200, y, y + 1, out.data(), 0); }).find(words), std::string::npos);
+    // A part of a frame may well have no number.
+    const auto partly = frame("?frame=3002");
+    EXPECT_EQ(refusal([&] { by_tiles(*partly, 0, 3); }), "");
+    EXPECT_EQ(refusal([&] { whole_of(*frame("?frame=3002&light.key.exposure=1")); }), "");
 }
 
 TEST_F(RelitFrameTest, ErrorsSayWhat) {
