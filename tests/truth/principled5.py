@@ -143,7 +143,7 @@ class _Layers:
         single = at_normal + (1 - at_normal) * interpolated(rise, at_normal**0.25, mu_coat, m.coat_roughness)
         path = 1 / np.sqrt(1 - (1 - mu_coat**2) / m.coat_ior**2)
         w = w * np.maximum(1 - _column(m.coat_weight * factor * lost.albedo * single), 0)
-        w = w * (1 + (m.coat_tint ** _column(path) - 1) * _column(m.coat_weight))
+        w = w * np.maximum(1 + (m.coat_tint ** _column(path) - 1) * _column(m.coat_weight), 0)
 
         tint, f0 = m.specular_tint, np.minimum(m.base, 1)
         self.metal_f0 = f0
@@ -174,6 +174,7 @@ class _Layers:
         w = w * np.maximum(1 - taken.max(axis=-1, keepdims=True), 0)
         self.diffuse = w * m.base
 
+        specular_closure = np.where(self.at_normal > 0, specular_closure, 0)  # no lobe, no closure
         sheen_closure = self.sheen.mean(axis=-1)
         self.on_smooth = coat_closure + sheen_closure * share
         self.on_bump = base_closures + specular_closure + self.diffuse.mean(axis=-1) + sheen_closure * (1 - share)

@@ -179,7 +179,9 @@ struct BlenderPrincipled5 {
                 out.dielectric = mul(w, factor);
                 albedo = scale(mul(albedo, factor), lost.albedo);
             }
-            out.base_weight = fma(mean(out.dielectric), lost.albedo, out.base_weight);
+            // Where the IOR comes out as 1 there is no lobe, and no closure that would have a part in the Normal pass.
+            const T there = select(in.root > zero, lost.albedo, zero);
+            out.base_weight = fma(mean(out.dielectric), there, out.base_weight);
             w = scale(w, max(one - max_component(albedo), zero));
         }
         out.diffuse = mul(w, in.base);
@@ -189,7 +191,7 @@ struct BlenderPrincipled5 {
     /// 1 + (tint^path − 1)·share, the same bits for white whatever the neighbours are.
     template <class T> static RELUME_INLINE T tinted_share(T tint, T path, T share) {
         const T power = select(tint == T(1.f), T(1.f), pow(tint, path));
-        return fma(power - T(1.f), share, T(1.f));
+        return max(fma(power - T(1.f), share, T(1.f)), T(0.f));  // a share above 1 takes all of it
     }
 
     /// The bumped normal from Cycles' Normal pass, in which each closure's normal has the weight of its closure (that

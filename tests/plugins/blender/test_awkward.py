@@ -57,8 +57,11 @@ KINDS: dict[str, Make] = {
     "stretched metal, compensated": lambda tree: _gold(tree, "MULTI_GGX", **STRETCHED),
     "coat and sheen above 1 on a bump": lambda tree: _linked(
         tree,
-        _bumped(tree, _brown(tree, Coat_Roughness=0.3, Sheen_Tint=(0.3, 0.2, 0.5)), 0.2),
+        _bumped(tree, _brown(tree, Coat_Roughness=0.3, Sheen_Tint=(0.3, 0.2, 0.5), Coat_Tint=(0.9, 0.6, 0.05)), 0.2),
         {"Coat Weight": 1.5, "Sheen Weight": 1.3},
+    ),
+    "a coat over a bump that reflects nothing": lambda tree: _bumped(
+        tree, _brown(tree, Specular_IOR_Level=0.0, Coat_Weight=0.8, Coat_Roughness=0.3), 0.3
     ),
     "reflects more than all": lambda tree: _brown(tree, IOR=10.0, Specular_IOR_Level=1.0),
     "a tint below 0": lambda tree: _linked(tree, _brown(tree), {"Specular Tint": (-0.5, 0.2, 0.8)}),
@@ -82,11 +85,11 @@ def relit(tmp_path_factory: pytest.TempPathFactory) -> tuple[Array, Array, Array
         bpy.ops.mesh.primitive_uv_sphere_add(segments=192, ring_count=96, radius=0.95)
         thing = bpy.context.object
         thing.name = "multi" if name == "namesake" else f"ball {name}"
-        thing.location = (2.0 * (place % 5) - 4.0, 0.0, 1.0 - 2.0 * (place // 5))
+        thing.location = (2.0 * (place % 6) - 5.0, 0.0, 1.0 - 2.0 * (place // 6))
         bpy.ops.object.shade_smooth()
         thing.data.materials.append(material)
         materials.unshadowed(thing)
-    materials.add_camera(20.0, 66.0)
+    materials.add_camera(20.0, 55.0)
     materials.add_light("side", "SUN", (-8, -1.5, 2), (0, 0, 0), energy=3.0)
     materials.add_light("lamp", "POINT", (6, -3, 3), (0, 0, 0), energy=900.0)
     bpy.context.view_layer.update()
