@@ -43,8 +43,9 @@ std::map<std::string, std::uint32_t> load_manifest(const LayerInfo& layer, const
                                                    std::vector<std::string>& notes);
 
 /// IDs of all names in `manifest` that one of `patterns` matches, and the hashes of patterns that are plain names.
-/// Sorted, without repetition.
-std::vector<std::uint32_t> ids_of(std::span<const std::string> patterns,
+/// Sorted, without repetition. A pattern that begins with "object:", "material:" or "asset:" goes on in a `layer` of
+/// that kind alone.
+std::vector<std::uint32_t> ids_of(std::span<const std::string> patterns, std::string_view layer,
                                   const std::map<std::string, std::uint32_t>& manifest);
 
 }  // namespace relume::cryptomatte

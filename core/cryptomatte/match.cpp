@@ -43,6 +43,21 @@ bool in_set(std::string_view set, std::string_view character) {
     return found != negated;
 }
 
+/// Length of "object:" and its like at the front of a pattern; 0 where there is none.
+std::size_t kind_size(std::string_view pattern) {
+    for (const std::string_view kind : {"object:", "material:", "asset:"}) {
+        if (pattern.starts_with(kind)) return kind.size();
+    }
+    return 0;
+}
+
+/// Whether a layer holds names of a kind, by its own name: "ViewLayer.CryptoMaterial", "crypto_material".
+bool is_of_kind(std::string_view layer, std::string_view kind) {
+    const auto same = [](char a, char b) { return (a >= 'A' && a <= 'Z' ? static_cast<char>(a - 'A' + 'a') : a) == b; };
+    layer.remove_prefix(layer.rfind('.') + 1);  // a view layer may be called "material"
+    return std::search(layer.begin(), layer.end(), kind.begin(), kind.end(), same) != layer.end();
+}
+
 }  // namespace
 
 bool matches(std::string_view pattern, std::string_view name) {
@@ -87,20 +102,25 @@ bool matches(std::string_view pattern, std::string_view name) {
     }
 }
 
-std::vector<std::uint32_t> ids_of(std::span<const std::string> patterns,
+std::vector<std::uint32_t> ids_of(std::span<const std::string> patterns, std::string_view layer,
                                   const std::map<std::string, std::uint32_t>& manifest) {
     std::vector<std::uint32_t> ids;
-    for (const std::string& pattern : patterns) {
+    const auto add = [&](const std::string& pattern) {
         const auto exact = manifest.find(pattern);
         if (exact != manifest.end()) ids.push_back(exact->second);
         // A plain name needs no manifest.
         if (pattern.find_first_of("*?[") == std::string::npos) {
             ids.push_back(id_bits(pattern));
-            continue;
+            return;
         }
         for (const auto& [name, id] : manifest) {
             if (matches(pattern, name)) ids.push_back(id);
         }
+    };
+    for (const std::string& pattern : patterns) {
+        add(pattern);  // a name may begin with what is a kind elsewhere
+        const std::size_t kind = kind_size(pattern);
+        if (kind > 0 && is_of_kind(layer, std::string_view(pattern).substr(0, kind - 1))) add(pattern.substr(kind));
     }
     std::sort(ids.begin(), ids.end());
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());

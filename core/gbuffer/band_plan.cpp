@@ -520,7 +520,7 @@ private:
         step.op = Op::matte;
         for (const CryptoLayer& layer : source_.crypto_layers) {
             MatteLayer wanted;
-            wanted.ids = cryptomatte::ids_of(request.patterns, layer.manifest);
+            wanted.ids = cryptomatte::ids_of(request.patterns, layer.name, layer.manifest);
             if (wanted.ids.empty()) continue;
             for (const auto& [id, share] : layer.ranks) {
                 const int id_register = raw(id);

@@ -185,6 +185,35 @@ std::string division(const GBuffer::Impl& impl, const Semantic& s) {
     return impl.coverage.raws.empty() ? ", averaged over the pixel" : ", divided by coverage";
 }
 
+/// Whether a part holds other numbers than were written.
+bool is_lossy(const io::Part& part) {
+    const auto holds = [&](PixelType type) { return std::ranges::count(part.channels, type, &io::Channel::type) > 0; };
+    switch (part.compression) {
+        case io::Compression::dwaa:
+        case io::Compression::dwab:
+        case io::Compression::lj2k:
+            return holds(PixelType::half) || holds(PixelType::float32);
+        case io::Compression::b44:
+        case io::Compression::b44a:
+            return holds(PixelType::half);
+        case io::Compression::pxr24:
+            return holds(PixelType::float32);
+        default:
+            return false;
+    }
+}
+
+void note_lossy(GBuffer::Impl& impl) {
+    for (const SourceFile& file : impl.files) {
+        const auto part = std::ranges::find_if(file.header.parts, is_lossy);
+        if (part == file.header.parts.end()) continue;
+        impl.notes.push_back("the compression '" + std::string(io::name_of(part->compression)) +
+                             "' changes numbers: normals, positions and what is fitted to them are off, and names of a "
+                             "Cryptomatte may not be found; have G-buffers written with 'zip'");
+        return;
+    }
+}
+
 }  // namespace
 
 void apply_rule(Semantic& s, const ChannelRule& rule) {
@@ -252,6 +281,7 @@ std::string interpretation(const Semantic& s) {
 }
 
 void finish(GBuffer::Impl& impl, const GBufferOptions& options, int threads) {
+    note_lossy(impl);
     Semantic* normal = impl.find("normal");
     const Semantic* position = impl.find("position");
     Semantic* tangent = impl.find("tangent");

@@ -79,7 +79,8 @@ constexpr Parameter kCommon[] = {
     {.name = "include",
      .type = ParameterType::text_list,
      .label = "Include",
-     .help = "Light linking: Cryptomatte name patterns of what the light reaches; empty is everything."},
+     .help =
+         "Light linking: Cryptomatte name patterns of what the light reaches (\"object:NAME\": objects alone); empty is everything."},
     {.name = "exclude",
      .type = ParameterType::text_list,
      .label = "Exclude",

@@ -233,7 +233,8 @@ constexpr Parameter kShaderKeys[] = {
     {.name = "cryptomatte",
      .type = text_list,
      .label = "Cryptomatte",
-     .help = "Name patterns (* and ?) of the objects or materials that it is for."},
+     .help =
+         "Name patterns (* and ?) of the objects or materials that it is for; \"object:NAME\" and \"material:NAME\" mean one kind."},
     {.name = "object_id",
      .type = number_list,
      .min = 0,

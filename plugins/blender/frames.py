@@ -17,6 +17,8 @@ import bpy
 import numpy as np
 import relume
 
+from .passes import refuses_parts
+
 if TYPE_CHECKING:
     from .lights import RigLight
 
@@ -39,12 +41,14 @@ def save_render_result(scene: bpy.types.Scene, folder: Path) -> Path:
     """
     path = folder / "render.exr"
     settings = scene.render.image_settings
-    names = ["media_type", "file_format", "color_depth", "exr_codec"]
+    names = ["media_type", "file_format", "color_depth", "exr_codec", "use_exr_interleave"]
     before = {name: getattr(settings, name) for name in names if hasattr(settings, name)}
     try:
         if "media_type" in before:
             settings.media_type = "MULTI_LAYER_IMAGE"
         settings.file_format, settings.color_depth, settings.exr_codec = "OPEN_EXR_MULTILAYER", "32", "NONE"
+        if refuses_parts(scene):
+            settings.use_exr_interleave = True
         bpy.data.images["Render Result"].save_render(str(path), scene=scene)
     except KeyError as error:
         raise NoFrameError("no render yet: render the frame (F12), or choose an EXR on disk") from error

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from .linking import LeftOutError, light_linking
 from .loaded_keys import recalled
+from .surface import source_of
 
 if TYPE_CHECKING:
     import bpy
@@ -55,12 +56,15 @@ def _factors(light: bpy.types.Light) -> tuple[float, float, float]:
 def _emission(tree: bpy.types.NodeTree) -> tuple[float, ...]:
     """What a light's nodes multiply its strength by."""
     output = tree.get_output_node("CYCLES")
-    if output is None or not output.inputs["Surface"].is_linked:
+    if output is None:
         raise LeftOutError("its nodes emit nothing")
-    node = output.inputs["Surface"].links[0].from_node
+    source = source_of(output.inputs["Surface"])
+    if source is None:
+        raise LeftOutError("its nodes emit nothing")
+    node = source.node
     if node.bl_idname != "ShaderNodeEmission":
         raise LeftOutError(f"its nodes end in '{node.bl_label}'; relume reads an Emission node with constants")
-    if node.inputs["Color"].is_linked or node.inputs["Strength"].is_linked:
+    if any(source_of(node.inputs[name]) is not None for name in ("Color", "Strength")):
         raise LeftOutError("its Emission node is driven by other nodes; relume reads constants")
     strength = node.inputs["Strength"].default_value
     return tuple(channel * strength for channel in node.inputs["Color"].default_value[:3])
@@ -90,7 +94,7 @@ def _spot_keys(light: bpy.types.Light, matrix: Matrix, notes: list[str]) -> dict
         notes.append("its cone is stretched by its scale; the rig's is round")
     return _point_keys(light, matrix, notes) | {
         "direction": _unit(-matrix.col[2].to_3d()),
-        "cone_angle": math.degrees(light.spot_size),
+        "cone_angle": min(math.degrees(light.spot_size), 180.0),  # single precision's π is more than 180°
         "blend": light.spot_blend,
         "falloff": "smoothstep",
     }

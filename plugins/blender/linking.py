@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 if TYPE_CHECKING:
     import bpy
@@ -23,9 +23,15 @@ class Linking(NamedTuple):
     exclude: tuple[str, ...] = ()
 
 
-def pattern(name: str) -> str:
-    """The pattern that matches an object's or a material's name."""
-    return name.translate(_WILD)
+def pattern(name: str, kind: Literal["object", "material"]) -> str:
+    """The pattern that matches an object's or a material's name, and not that of a namesake of the other kind."""
+    return f"{kind}:{name.translate(_WILD)}"
+
+
+def _names(thing: bpy.types.Object) -> list[str]:
+    """What Cryptomatte calls it: an instance of a collection goes by the names of what is in there."""
+    inside = thing.instance_collection if thing.instance_type == "COLLECTION" else None
+    return [thing.name] if inside is None else [name for each in inside.all_objects for name in _names(each)]
 
 
 def light_linking(light: bpy.types.Object) -> Linking:
@@ -41,11 +47,11 @@ def light_linking(light: bpy.types.Object) -> Linking:
         return Linking()
     names: dict[str, list[str]] = {"INCLUDE": [], "EXCLUDE": []}
     for child, entry in zip(collection.children, collection.collection_children, strict=True):
-        names[entry.light_linking.link_state] += [thing.name for thing in child.all_objects]
+        names[entry.light_linking.link_state] += [name for thing in child.all_objects for name in _names(thing)]
     for thing, entry in zip(collection.objects, collection.collection_objects, strict=True):
-        names[entry.light_linking.link_state].append(thing.name)
+        names[entry.light_linking.link_state] += _names(thing)
     excluded = sorted(set(names["EXCLUDE"]))
     included = sorted(set(names["INCLUDE"]) - set(excluded))
     if names["INCLUDE"] and not included:
         raise LeftOutError("its light linking excludes all that it includes")
-    return Linking(tuple(map(pattern, included)), tuple(map(pattern, excluded)))
+    return Linking(*(tuple(pattern(name, "object") for name in names) for names in (included, excluded)))

@@ -32,6 +32,9 @@ PASSES = (
 #: Parameters that come from the geometry and not from an input of the BSDF.
 _GEOMETRY = ("tangent", "geometric_normal")
 
+#: Compressions that change numbers: positions, normals, and the IDs of Cryptomatte, of which no bit may change.
+LOSSY = ("PXR24", "B44", "B44A", "DWAA", "DWAB")
+
 _SURFACES = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES"}
 
 
@@ -89,7 +92,10 @@ def set_up_passes(scene: bpy.types.Scene) -> SetUp:
         result.wired += 1
         result.changed += changed
         result.remarks += [(material.name, remark) for remark in remarks]
-    result.unwired += [(thing.name, "the object has no material; give it one") for thing in _bare_objects(scene)]
+    result.unwired += [(thing.name, f"{what} has no material; give it one") for thing, what in _bare_objects(scene)]
+    for thing in scene.objects:
+        if getattr(thing, "shadow_terminator_shading_offset", 0) > 0 and not thing.hide_render:
+            result.remarks.append((thing.name, "its Shading Offset of the shadow terminator is not relit"))
     return result
 
 
@@ -98,7 +104,18 @@ def write_multilayer(scene: bpy.types.Scene) -> bool:
     settings = scene.render.image_settings
     changed = hasattr(settings, "media_type") and _assign(settings, "media_type", "MULTI_LAYER_IMAGE")
     changed |= _assign(settings, "file_format", "OPEN_EXR_MULTILAYER")
-    return changed | _assign(settings, "color_depth", "32")
+    changed |= _assign(settings, "color_depth", "32")
+    if settings.exr_codec in LOSSY:
+        changed |= _assign(settings, "exr_codec", "ZIP")
+    if refuses_parts(scene):
+        changed |= _assign(settings, "use_exr_interleave", True)
+    return changed
+
+
+def refuses_parts(scene: bpy.types.Scene) -> bool:
+    """Whether Blender cannot write one part per pass: 5.0 cannot where pixels are not square."""
+    render = scene.render
+    return hasattr(render.image_settings, "use_exr_interleave") and render.pixel_aspect_x != render.pixel_aspect_y
 
 
 def _assign(owner: object, name: str, value: object) -> bool:
@@ -125,10 +142,13 @@ def _materials() -> Iterator[bpy.types.Material]:
     return (material for material in bpy.data.materials if material.users and not material.is_grease_pencil)
 
 
-def _bare_objects(scene: bpy.types.Scene) -> list[bpy.types.Object]:
-    """Objects that render with no material of their own."""
-    return [
-        thing
-        for thing in scene.objects
-        if thing.type in _SURFACES and not thing.hide_render and not any(slot.material for slot in thing.material_slots)
-    ]
+def _bare_objects(scene: bpy.types.Scene) -> Iterator[tuple[bpy.types.Object, str]]:
+    """Objects that render with no material of their own, and what of them does."""
+    for thing in scene.objects:
+        if thing.type not in _SURFACES or thing.hide_render:
+            continue
+        empty = {place for place, slot in enumerate(thing.material_slots) if slot.material is None}
+        if len(empty) == len(thing.material_slots):
+            yield thing, "the object"
+        elif empty and (thing.type != "MESH" or empty & {face.material_index for face in thing.data.polygons}):
+            yield thing, f"its material slot {min(empty) + 1}"

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     import relume
     from relume.sequence import Frame, FrameResult
 
+    from .scene_rig import SceneRig
+
 
 class _Stopped(BaseException):
     """Raised in a progress call: the user wants no more."""
@@ -80,6 +82,8 @@ def frames_of(scene: bpy.types.Scene) -> "list[Frame]":
     from relume.sequence import Frame
 
     source, output = str(source_file(scene)), bpy.path.abspath(scene.relume.output_path)
+    if not output:
+        raise relume.ArgumentError("no output: say where the frames go, as //relit/shot.####.exr")
     for path in (source, output):
         if scene.frame_end > scene.frame_start and not is_pattern(path):
             raise relume.ArgumentError(f"{path}: the name of a sequence needs #### where the frame's number stands")
@@ -99,7 +103,14 @@ class RELUME_OT_relight_range(bpy.types.Operator):
     _timer: Any = None
 
     def _begin(self, context: bpy.types.Context) -> "Work | None":
-        made = attempted(self, lambda: (frames_of(context.scene), rig_of_scene(context)))
+        from relume.sequence import check_outputs
+
+        def plan() -> "tuple[list[Frame], SceneRig]":
+            frames, rig = frames_of(context.scene), rig_of_scene(context)
+            check_outputs(frames, rig.rig)
+            return frames, rig
+
+        made = attempted(self, plan)
         if made is None:
             return None
         frames, rig = made

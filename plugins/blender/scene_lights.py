@@ -32,8 +32,31 @@ class SceneLights:
         return [(light.name, note) for light in self.lights for note in light.notes]
 
 
-def _is_rendered(thing: bpy.types.Object) -> bool:
-    return not thing.hide_render and any(not collection.hide_render for collection in thing.users_collection)
+def _hidden_collections(layer: bpy.types.LayerCollection, hidden: bool = False) -> Iterator[bpy.types.Collection]:
+    """The collections of a view layer that no render has; one that is hidden hides those inside."""
+    hidden = hidden or layer.collection.hide_render
+    if hidden:
+        yield layer.collection
+    for child in layer.children:
+        yield from _hidden_collections(child, hidden)
+
+
+def _matrix(thing: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Matrix:
+    """Where an object stands. Of one that viewports do not show Blender keeps no account: a parent is followed."""
+    evaluated = thing.evaluated_get(depsgraph)
+    if evaluated.is_evaluated or thing.constraints or thing.parent_type != "OBJECT":
+        return evaluated.matrix_world
+    if thing.parent is None:
+        return thing.matrix_basis
+    return _matrix(thing.parent, depsgraph) @ thing.matrix_parent_inverse @ thing.matrix_basis
+
+
+def _is_moved(thing: bpy.types.Object | None) -> bool:
+    """Whether constraints, keys or drivers say where an object stands, or one that it hangs on."""
+    if thing is None:
+        return False
+    data = thing.animation_data
+    return bool(thing.constraints or (data and (data.action or data.drivers))) or _is_moved(thing.parent)
 
 
 def _is_portal(light: bpy.types.Light) -> bool:
@@ -45,13 +68,21 @@ def _placed_lights(
     view_layer: bpy.types.ViewLayer, depsgraph: bpy.types.Depsgraph
 ) -> Iterator[tuple[bpy.types.Object, Matrix, str]]:
     """(evaluated object, matrix, name) of every light that a render would have."""
+    hidden = set(_hidden_collections(view_layer.layer_collection))
+
+    def is_rendered(thing: bpy.types.Object) -> bool:
+        # Where a collection is instanced alone, no view layer has it.
+        shown = (each for each in thing.users_collection if each not in hidden and not each.hide_render)
+        return not thing.hide_render and next(shown, None) is not None
+
     for thing in view_layer.objects:
-        if thing.type == "LIGHT" and _is_rendered(thing) and not _is_portal(thing.data):
-            evaluated = thing.evaluated_get(depsgraph)
-            yield evaluated, evaluated.matrix_world, thing.name
+        if thing.type == "LIGHT" and is_rendered(thing) and not _is_portal(thing.data):
+            yield thing.evaluated_get(depsgraph), _matrix(thing, depsgraph), thing.name
     counts: dict[str, int] = {}
     for instance in depsgraph.object_instances:
-        if instance.is_instance and instance.object.type == "LIGHT" and _is_rendered(instance.parent.original):
+        if not instance.is_instance or instance.object.type != "LIGHT" or instance.object.original.hide_render:
+            continue
+        if is_rendered(instance.parent.original):
             name = instance.object.name
             counts[name] = counts.get(name, 0) + 1
             yield instance.object, instance.matrix_world.copy(), f"{instance.parent.name}/{name}/{counts[name]}"
@@ -62,7 +93,10 @@ def scene_lights(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> Scen
     result = SceneLights()
     for thing, matrix, name in _placed_lights(depsgraph.view_layer, depsgraph):
         try:
-            result.lights.append(rig_light(thing, matrix, name))
+            light = rig_light(thing, matrix, name)
+            if not thing.is_evaluated and _is_moved(thing):
+                light.notes.append("viewports do not show it, so that what moves it is not followed")
+            result.lights.append(light)
         except LeftOutError as error:
             result.left_out.append((name, str(error)))
     exposure = _film_exposure(scene)

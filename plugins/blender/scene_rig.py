@@ -74,7 +74,7 @@ def _add_shaders(rig: relume.Rig, model: str, keys: dict[str, Any]) -> None:
     if model == "blender_principled" and "distribution" not in keys:
         (main, _), (other, names) = distributions().items()
         if names:
-            rig.shader.add(model, cryptomatte=[pattern(name) for name in names], distribution=other, **keys)
+            rig.shader.add(model, cryptomatte=[pattern(name, "material") for name in names], distribution=other, **keys)
         keys = keys | {"distribution": main}
     rig.shader.add(model, **keys)
 

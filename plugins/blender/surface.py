@@ -47,6 +47,9 @@ _NO_LAYER = {
     "Thin Film Thickness": "its thin film is left out",
 }
 
+#: Shaders one behind the other; Python's own limit is not much further.
+_DEEPEST = 100
+
 #: A surface that reflects nothing; what is missing is as the other side of a blend has it.
 _BLACK: dict[str, Number] = {
     "base_color": (0.0, 0.0, 0.0),
@@ -97,6 +100,8 @@ class Reading:
     surface: Surface
     remarks: list[str] = field(default_factory=list)
     distributions: set[str] = field(default_factory=set)
+    #: Nodes between the output and what is being read.
+    depth: int = 0
 
 
 def source_of(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
@@ -153,7 +158,13 @@ def _surface(socket: bpy.types.NodeSocket, reading: Reading) -> Surface | None:
     read = _READERS.get(node.bl_idname)
     if read is None:
         raise UnwiredError(f"its node '{node.name}' ({node.bl_label}) is none that relume has parameters for")
-    return read(node, output, reading)
+    if reading.depth == _DEEPEST:
+        raise UnwiredError(f"more than {_DEEPEST} shaders are mixed one after the other")
+    reading.depth += 1
+    try:
+        return read(node, output, reading)
+    finally:
+        reading.depth -= 1
 
 
 def _number(socket: bpy.types.NodeSocket) -> float | None:

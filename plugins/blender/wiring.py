@@ -67,7 +67,10 @@ class Wirer:
         tree = material.node_tree
         taken = {node.aov_name for node in tree.nodes if node.bl_idname == "ShaderNodeOutputAOV" and MARK not in node}
         wanted = [name for name in self.kinds if name not in taken]
-        remarks = [*reading.remarks, *(f"its own AOV '{name}' is kept" for name in sorted(taken & set(self.kinds)))]
+        remarks = [*reading.remarks]
+        if len(reading.distributions) > 1:
+            remarks.append("it mixes GGX and Multiscatter GGX: all of it is relit as GGX")
+        remarks += [f"its own AOV '{name}' is kept" for name in sorted(taken & set(self.kinds))]
         signature = f"{signature_of(reading.surface)} {' '.join(wanted)}"
         if material.get(MARK) == _state(tree, signature):
             return refresh(tree), remarks

@@ -16,6 +16,8 @@ def write_atomically(path: Path, data: bytes) -> None:
     Raises:
         FileError: the folder is missing or not writable, or the disk is full; the message names the file.
     """
+    if not path.name:
+        raise FileError(f"{path}: cannot be written: it names no file")
     temporary = path.with_name(f".{path.name}.{os.getpid()}.{secrets.token_hex(4)}.tmp")
     try:
         with temporary.open("xb") as file:

@@ -297,7 +297,8 @@ class GBuffer:
         return self.channel(name)
 
     def matte(self, *patterns: str) -> NDArray[np.float32]:
-        """(H, W) float32: share of each pixel that Cryptomatte objects or materials of these names have.
+        """(H, W) float32: share of each pixel that Cryptomatte objects or materials of these names have;
+        "object:NAME" and "material:NAME" mean one kind.
 
         Args:
             patterns: names, with * and ?.

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from relume._relume import ExrFile
-from relume.errors import Error, ParameterError, RigError
+from relume.errors import ArgumentError, Error, ParameterError, RigError
 from relume.gbuffer import GBuffer
 from relume.relighting import relight_file
 
@@ -26,6 +26,7 @@ __all__ = [
     "FrameReport",
     "FrameResult",
     "Status",
+    "check_outputs",
     "inputs_of",
     "is_up_to_date",
     "relight_frame",
@@ -98,6 +99,22 @@ def inputs_of(frame: Frame, rig: Rig) -> list[Path]:
     """The files that the frame is made of: the G-buffer, and those that the rig takes channels and tables from."""
     named = rig._rig if frame.number is None else rig._rig.of_frame(frame.number)
     return [Path(frame.source), *(path for path in named.input_files() if str(path) != named.gbuffer_file)]
+
+
+def check_outputs(frames: Sequence[Frame], rig: Rig) -> None:
+    """See that no frame is written over another, or over what one is made of.
+
+    Raises:
+        ArgumentError: one would be.
+    """
+    outputs: dict[Path, Path] = {}
+    for frame in frames:
+        if outputs.setdefault(frame.output.resolve(), frame.output) is not frame.output:
+            raise ArgumentError(f"{frame.output}: several frames would go to the same file")
+    for frame in frames:
+        for path in inputs_of(frame, rig):
+            if path.resolve() in outputs:
+                raise ArgumentError(f"{outputs[path.resolve()]}: the output would overwrite an input")
 
 
 def _rig_of(frame: Frame, rig: Rig) -> Rig:

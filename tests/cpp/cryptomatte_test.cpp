@@ -99,13 +99,33 @@ TEST(Cryptomatte, Globs) {
 
 TEST(Cryptomatte, NamesNeedNoManifest) {
     const std::vector<std::string> patterns{"torus"};
-    EXPECT_EQ(ids_of(patterns, {}), std::vector<std::uint32_t>{0xf19c73fdu});
+    EXPECT_EQ(ids_of(patterns, "crypto_object", {}), std::vector<std::uint32_t>{0xf19c73fdu});
     const std::vector<std::string> wild{"t*", "cube"};
     const std::map<std::string, std::uint32_t> manifest{{"torus", 7}, {"tree", 3}, {"cube", 9}};
-    const std::vector<std::uint32_t> ids = ids_of(wild, manifest);
+    const std::vector<std::uint32_t> ids = ids_of(wild, "crypto_object", manifest);
     // "cube" by the manifest, and by its hash.
     EXPECT_EQ(ids.size(), 4u);
     EXPECT_TRUE(std::is_sorted(ids.begin(), ids.end()));
+}
+
+TEST(Cryptomatte, AKindKeepsNamesApart) {
+    // An object and a material of one name have one ID, each in its own layer.
+    using Ids = std::vector<std::uint32_t>;
+    const auto of = [](std::string pattern, std::string_view layer) {
+        return ids_of(std::vector<std::string>{std::move(pattern)}, layer, {{"gold", 5}, {"golf", 6}});
+    };
+    for (const std::string_view layer : {"crypto_material", "View.Layer.CryptoMaterial", "material.uCryptomaterial"}) {
+        EXPECT_EQ(of("material:gol?", layer), (Ids{5, 6})) << layer;
+        EXPECT_EQ(of("object:gol?", layer), Ids{}) << layer;
+    }
+    EXPECT_EQ(of("object:gol?", "material.CryptoObject"), (Ids{5, 6}));
+    EXPECT_EQ(of("material:gol?", "material.CryptoObject"), Ids{});
+    EXPECT_EQ(of("asset:gol*", "CryptoAsset"), (Ids{5, 6}));
+    // By its hash, where there is no manifest.
+    const Ids torus = ids_of(std::vector<std::string>{"object:torus"}, "crypto_object", {});
+    EXPECT_TRUE(std::ranges::count(torus, 0xf19c73fdu) == 1);
+    // A name that begins so is found as it stands.
+    EXPECT_EQ(ids_of(std::vector<std::string>{"object:*"}, "crypto_material", {{"object:a", 7}}), Ids{7});
 }
 
 test::MadePart crypto_part(const std::string& extra_layer = "crypto_object") {

@@ -49,7 +49,8 @@ struct MadeWindows {
 };
 
 /// Writes the parts as an EXR. Channels are sorted by name, as the format wants them.
-inline void write_exr(const std::filesystem::path& path, std::vector<MadePart> parts, const MadeWindows& windows = {}) {
+inline void write_exr(const std::filesystem::path& path, std::vector<MadePart> parts, const MadeWindows& windows = {},
+                      io::Compression compression = io::Compression::zip) {
     io::Header header;
     for (MadePart& part : parts) {
         std::sort(part.channels.begin(), part.channels.end(),
@@ -67,7 +68,7 @@ inline void write_exr(const std::filesystem::path& path, std::vector<MadePart> p
             c.type = channel.type;
         }
     }
-    io::ExrWriter writer(path, header);
+    io::ExrWriter writer(path, header, {.compression = compression});
     for (std::size_t p = 0; p < parts.size(); ++p) {
         const auto count = static_cast<std::size_t>(windows.data.width) * static_cast<std::size_t>(windows.data.height);
         std::vector<std::vector<float>> pixels;

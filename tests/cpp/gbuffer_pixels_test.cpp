@@ -325,5 +325,27 @@ TEST(Pixels, StandInsAreCodedApart) {
     }
 }
 
+TEST(Pixels, ACompressionThatChangesNumbersIsNamed) {
+    const io::TemporaryFolder folder;
+    const auto noted = [&](io::Compression compression, PixelType type) {
+        MadePart part;
+        for (const char* name : {"N.X", "N.Y", "N.Z"})
+            part.channels.push_back({name, [](int, int) { return 0.6; }, type});
+        test::write_exr(folder / "made.exr", {part}, {}, compression);
+        return test::mentions(GBuffer::read(folder / "made.exr").notes(),
+                              "the compression '" + std::string(io::name_of(compression)) + "' changes numbers");
+    };
+    using enum io::Compression;
+    for (const io::Compression exact : {none, rle, zips, zip, piz}) EXPECT_FALSE(noted(exact, PixelType::float32));
+    EXPECT_TRUE(noted(pxr24, PixelType::float32));
+    EXPECT_FALSE(noted(pxr24, PixelType::half));
+    EXPECT_TRUE(noted(b44, PixelType::half));
+    EXPECT_FALSE(noted(b44a, PixelType::float32));
+    if (io::is_supported(dwab)) {
+        EXPECT_TRUE(noted(dwaa, PixelType::half));
+        EXPECT_TRUE(noted(dwab, PixelType::float32));
+    }
+}
+
 }  // namespace
 }  // namespace relume

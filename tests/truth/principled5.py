@@ -109,6 +109,12 @@ class _Compensation:
         return 1 + fss * mean / (1 - fss * (1 - mean)) * (1 - albedo) / albedo
 
 
+def _alphas(m: Principled5) -> tuple[Array, Array]:
+    """Along the tangent and across; Cycles bounds both."""
+    aspect, alpha = np.sqrt(1 - 0.9 * m.anisotropic), m.roughness**2
+    return np.minimum(alpha / aspect, 1), np.minimum(alpha * aspect, 1)
+
+
 def _mean_fresnel(eta: Array) -> Array:
     return (eta - 1) / (4.08567 + 1.00071 * eta)
 
@@ -119,13 +125,14 @@ class _Layers:
     def __init__(self, m: Principled5, n: Array, s: Array, v: Array, multi: bool) -> None:
         mu, mu_coat = np.clip(dot(n, v), 1e-4, 1), np.clip(dot(s, v), 1e-4, 1)
         w = np.ones_like(m.base)
-        self.sheen_axis = unit(n + (s - n) * _column(m.coat_weight))
+        share = np.minimum(m.coat_weight, 1)
+        self.sheen_axis = unit(n + (s - n) * _column(share))
         cosine = np.clip(dot(self.sheen_axis, v), 0, 1)
         self.sheen_a, self.sheen_b, albedo = (
             interpolated(table(f"kSheen{name}", 32, 32), cosine, m.sheen_roughness) for name in "ABR"
         )
         self.sheen = m.sheen_tint * _column(m.sheen_weight * albedo)
-        w = w * (1 - self.sheen.max(axis=-1, keepdims=True))
+        w = w * np.maximum(1 - self.sheen.max(axis=-1, keepdims=True), 0)
 
         rise = table("kRise", 16, 16, 16)
         at_normal = ((m.coat_ior - 1) / (m.coat_ior + 1)) ** 2
@@ -135,13 +142,15 @@ class _Layers:
         coat_closure = self.coat.mean(axis=-1) * lost.albedo
         single = at_normal + (1 - at_normal) * interpolated(rise, at_normal**0.25, mu_coat, m.coat_roughness)
         path = 1 / np.sqrt(1 - (1 - mu_coat**2) / m.coat_ior**2)
-        w = w * (1 - _column(m.coat_weight * factor * lost.albedo * single))
-        w = w * (1 + (m.coat_tint ** _column(path) - 1) * _column(m.coat_weight))
+        w = w * np.maximum(1 - _column(m.coat_weight * factor * lost.albedo * single), 0)
+        w = w * np.maximum(1 + (m.coat_tint ** _column(path) - 1) * _column(m.coat_weight), 0)
 
         tint, f0 = m.specular_tint, np.minimum(m.base, 1)
         self.metal_f0 = f0
         self.metal_dip = (f0 + (1 - f0) * (6 / 7) ** 5) * 7 / (6 / 7) ** 6 * (1 - tint)
-        lost = _Compensation(mu, m.roughness)
+        # What is looked up is that of a round lobe as wide as the stretched one.
+        roughness = np.prod(_alphas(m), axis=0) ** 0.25
+        lost = _Compensation(mu, roughness)
         self.metal = w * _column(m.metallic)
         base_closures = self.metal.mean(axis=-1)
         if multi:
@@ -150,10 +159,11 @@ class _Layers:
         w = w * _column(1 - m.metallic)
 
         of_ior = ((m.ior - 1) / (m.ior + 1)) ** 2
-        self.at_normal = np.where(m.specular == 0.5, of_ior, of_ior * 2 * m.specular)
+        given = np.where(m.specular == 0.5, of_ior, of_ior * 2 * m.specular)
+        self.at_normal = np.minimum(given, 0.99)  # bounds the IOR alone
         self.eta = (1 + np.sqrt(self.at_normal)) / (1 - np.sqrt(self.at_normal))
-        self.f0 = _column(self.at_normal) * tint
-        taken = self.f0 + (1 - self.f0) * _column(interpolated(rise, self.at_normal**0.25, mu, m.roughness))
+        self.f0 = _column(np.minimum(given, 1)) * tint
+        taken = self.f0 + (1 - self.f0) * _column(interpolated(rise, self.at_normal**0.25, mu, roughness))
         self.specular = w
         specular_closure = w.mean(axis=-1)
         if multi:
@@ -161,14 +171,13 @@ class _Layers:
             more = lost(self.f0 + (1 - self.f0) * _column(of_white))
             self.specular, taken = w * more, taken * more * _column(lost.albedo)
             specular_closure = self.specular.mean(axis=-1) * lost.albedo
-        w = w * (1 - taken.max(axis=-1, keepdims=True))
+        w = w * np.maximum(1 - taken.max(axis=-1, keepdims=True), 0)
         self.diffuse = w * m.base
 
+        specular_closure = np.where(self.at_normal > 0, specular_closure, 0)  # no lobe, no closure
         sheen_closure = self.sheen.mean(axis=-1)
-        self.on_smooth = coat_closure + sheen_closure * m.coat_weight
-        self.on_bump = (
-            base_closures + specular_closure + self.diffuse.mean(axis=-1) + sheen_closure * (1 - m.coat_weight)
-        )
+        self.on_smooth = coat_closure + sheen_closure * share
+        self.on_bump = base_closures + specular_closure + self.diffuse.mean(axis=-1) + sheen_closure * (1 - share)
 
 
 def bumped_normal(m: Principled5, mixed: Array, s: Array, v: Array, multi: bool) -> Array:
@@ -252,8 +261,8 @@ def reflected(m: Principled5, pass_normal: Array, smooth: Array | None, v: Array
     h = unit(v + l)
     c = dot(l, h)
 
-    aspect, alpha = np.sqrt(1 - 0.9 * m.anisotropic), m.roughness**2
-    base = _ggx(n, v, l, _frame(n, m.tangent, m.anisotropic_rotation), alpha / aspect, alpha * aspect)
+    # Of light from behind the surface a facet reflects none, though the bump turns it there.
+    base = _ggx(n, v, l, _frame(n, m.tangent, m.anisotropic_rotation), *_alphas(m)) * (dot(s, l) > 0)
     schlick = _column(1 - c)
     metal = layers.metal_f0 + (1 - layers.metal_f0) * schlick**5 - layers.metal_dip * _column(c) * schlick**6
     out = layers.metal * np.clip(metal, 0, 1) * _column(base)

@@ -130,7 +130,7 @@ struct ChannelRequest {
         semantic,  ///< `name` is a semantic name: decoded, in world and working space, divided by coverage
         raw,    ///< `name` is a channel or layer of the file: value·scale + offset, divided by coverage where averaged
         id,     ///< `name` is an ID's semantic name: std::uint32_t, fractions rounded
-        matte,  ///< Σ coverage of the Cryptomatte names that match one of `patterns` (globs)
+        matte,  ///< Σ coverage of the Cryptomatte names that match one of `patterns` (globs, "object:…" for one kind)
         constant,  ///< `offset` in every pixel: of use with `widen`
     };
     Kind kind = Kind::semantic;

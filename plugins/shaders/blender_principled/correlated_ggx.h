@@ -5,6 +5,11 @@
 
 namespace relume::shaders {
 
+/// By how much anisotropy makes a lobe longer along the tangent, and narrower across it.
+template <class T> RELUME_INLINE T stretch_of(T anisotropic) {
+    return sqrt(fma(anisotropic, constant<T>(-0.9), T(1.f)));
+}
+
 /// D·V·NdotL of GGX under height-correlated Smith masking, round or stretched along a tangent (Burley 2012, eq. 13;
 /// Heitz 2014, eq. 99). Prepared for a normal that need not be the pixel's.
 template <class T> struct CorrelatedGgx {
@@ -26,8 +31,8 @@ template <class T> struct CorrelatedGgx {
     /// tangent and bitangent are set; after prepare_round().
     RELUME_INLINE void prepare_stretched(const Vec3<T>& v, T share) {
         anisotropic = share;
-        const T aspect = sqrt(fma(share, constant<T>(-0.9), T(1.f))), alpha = sqrt(alpha2);
-        alpha_x = alpha * rcp(aspect);
+        const T aspect = stretch_of(share), alpha = sqrt(alpha2);
+        alpha_x = min(alpha * rcp(aspect), T(1.f));  // as Cycles bounds it
         alpha_y = alpha * aspect;
         inv_x = rcp(alpha_x);
         inv_y = rcp(alpha_y);

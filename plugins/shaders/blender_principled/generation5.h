@@ -36,11 +36,11 @@ struct BlenderPrincipled5 {
     /// What the stack takes from the parameters, whatever the normal is.
     template <class T> struct Inputs {
         Color<T> base, metal_f0, metal_dip, sheen_tint, f0;
-        T metallic, roughness, eta, root, at_normal;
+        T metallic, roughness, mean_roughness, anisotropic, eta, root, at_normal;
         T sheen_weight, sheen_roughness;
         T coat_weight, coat_roughness, coat_ior, coat_root;
         Color<T> coat_tint;
-        bool any_sheen, any_coat, any_metal, any_dielectric;
+        bool any_sheen, any_coat, any_metal, any_dielectric, any_anisotropic;
     };
 
     template <class T> struct Prepared {
@@ -69,7 +69,14 @@ struct BlenderPrincipled5 {
         Inputs<T> in;
         in.base = clamped(p.base_color);
         in.metallic = saturate(p.metallic);
-        in.roughness = saturate(p.roughness);
+        in.roughness = in.mean_roughness = saturate(p.roughness);
+        in.anisotropic = saturate(p.anisotropic);
+        in.any_anisotropic = any(in.anisotropic > zero);
+        if (in.any_anisotropic) {
+            // alpha_x stops at 1. What is looked up is that of a round lobe of alpha² = alpha_x·alpha_y.
+            const T aspect = stretch_of(in.anisotropic), alpha = square(in.roughness);
+            in.mean_roughness = select(alpha > aspect, sqrt(sqrt(alpha * aspect)), in.roughness);
+        }
         in.any_metal = any(in.metallic > zero);
         in.any_dielectric = any(in.metallic < one);
 
@@ -78,12 +85,12 @@ struct BlenderPrincipled5 {
         const T root_of_ior = (ior - one) * rcp(ior + one);
         const T level = max(p.specular, zero);
         const MaskOf<T> plain = level == constant<T>(0.5);
-        in.at_normal = min(square(root_of_ior) * (level + level), constant<T>(0.99));
-        in.root = select(plain, root_of_ior, sqrt(in.at_normal));
+        const T asked = square(root_of_ior) * (level + level), most = constant<T>(0.99);
+        in.root = select(plain, root_of_ior, sqrt(min(asked, most)));
         in.at_normal = square(in.root);
         in.eta = select(plain, ior, eta_from_f0(in.at_normal));
         const Color<T> tint = given_or_white(p.specular_tint);
-        in.f0 = scale(tint, in.at_normal);
+        in.f0 = scale(tint, select(asked > most, min(asked, one), in.at_normal));  // which bounds the IOR alone
 
         // F82: what the tint takes at 82°, as a factor of c·(1 − c)⁶ (Hoffman 2019).
         const T six_sevenths5 = constant<T>(7776. / 16807);  // (6/7)⁵
@@ -92,11 +99,11 @@ struct BlenderPrincipled5 {
         const Color<T> schlick = fma(one_minus(in.metal_f0), six_sevenths5, in.metal_f0);
         in.metal_dip = mul(scale(schlick, seventh), one_minus(tint));
 
-        in.sheen_weight = saturate(p.sheen_weight);
+        in.sheen_weight = max(p.sheen_weight, zero);  // neither has an upper bound in Cycles
         in.sheen_roughness = saturate(p.sheen_roughness);
         in.sheen_tint = given_or_white(p.sheen_tint);
         in.any_sheen = any(in.sheen_weight > zero);
-        in.coat_weight = saturate(p.coat_weight);
+        in.coat_weight = max(p.coat_weight, zero);
         in.any_coat = any(in.coat_weight > zero);
         in.coat_roughness = saturate(p.coat_roughness);
         in.coat_ior = max(p.coat_ior, one);
@@ -108,9 +115,9 @@ struct BlenderPrincipled5 {
         const T zero(0.f);
         return {max(c.x, zero), max(c.y, zero), max(c.z, zero)};
     }
-    /// A tint that was not given is below 0.
+    /// A tint that was not given is below 0, all of it.
     template <class T> static RELUME_INLINE Color<T> given_or_white(const Color<T>& tint) {
-        return select(tint.x < T(0.f), splat(T(1.f)), clamped(tint));
+        return select(max_component(tint) < T(0.f), splat(T(1.f)), clamped(tint));
     }
 
     /// Sheen, coat, metal, dielectric, diffuse, from above.
@@ -123,7 +130,7 @@ struct BlenderPrincipled5 {
         out.sheen = out.coat = out.metal = out.dielectric = splat(zero);
         out.coat_weight = out.base_weight = zero;
         if (in.any_sheen) {
-            const Vec3<T> axis = normalize(fma(sub(smooth, n), in.coat_weight, n));
+            const Vec3<T> axis = normalize(fma(sub(smooth, n), min(in.coat_weight, one), n));
             out.fibers = microfiber_sheen(axis, v, in.sheen_roughness);
             out.sheen = scale(in.sheen_tint, in.sheen_weight * out.fibers.albedo);
             w = scale(w, max(one - max_component(out.sheen), zero));
@@ -136,7 +143,7 @@ struct BlenderPrincipled5 {
             out.coat_weight = mean(out.coat) * lost.albedo;
             const T r0 = square(in.coat_root);
             const T single = fma(one - r0, mean_rise(in.coat_root, mu, in.coat_roughness), r0);
-            w = scale(w, fnma(in.coat_weight, factor * lost.albedo * single, one));
+            w = scale(w, max(fnma(in.coat_weight, factor * lost.albedo * single, one), zero));
             // Its tint is that of the path down to the base and back, which is 1/cos as long.
             const T sin2 = one - mu * mu, inv = rcp(in.coat_ior);
             const T path = rsqrt(max(fnma(sin2 * inv, inv, one), constant<T>(1e-8)));
@@ -150,7 +157,7 @@ struct BlenderPrincipled5 {
         const T mu = clamp(dot(n, v), least, one);
         const bool scattered = o.distribution == Options::multi_ggx;
         Compensation<T> lost{one, one, zero};
-        if (scattered) lost = compensation(mu, in.roughness);
+        if (scattered) lost = compensation(mu, in.mean_roughness);
         if (in.any_metal) {
             out.metal = scale(w, in.metallic);
             if (scattered) {
@@ -164,7 +171,7 @@ struct BlenderPrincipled5 {
         }
         if (in.any_dielectric) {
             out.dielectric = w;
-            const T rise = mean_rise(in.root, mu, in.roughness);
+            const T rise = mean_rise(in.root, mu, in.mean_roughness);
             Color<T> albedo = fma(one_minus(in.f0), rise, in.f0);
             if (scattered) {
                 const T of_white = (mean_fresnel(in.eta) - in.at_normal) * rcp(one - in.at_normal);
@@ -172,7 +179,9 @@ struct BlenderPrincipled5 {
                 out.dielectric = mul(w, factor);
                 albedo = scale(mul(albedo, factor), lost.albedo);
             }
-            out.base_weight = fma(mean(out.dielectric), lost.albedo, out.base_weight);
+            // Where the IOR comes out as 1 there is no lobe, and no closure that would have a part in the Normal pass.
+            const T there = select(in.root > zero, lost.albedo, zero);
+            out.base_weight = fma(mean(out.dielectric), there, out.base_weight);
             w = scale(w, max(one - max_component(albedo), zero));
         }
         out.diffuse = mul(w, in.base);
@@ -182,16 +191,16 @@ struct BlenderPrincipled5 {
     /// 1 + (tint^path − 1)·share, the same bits for white whatever the neighbours are.
     template <class T> static RELUME_INLINE T tinted_share(T tint, T path, T share) {
         const T power = select(tint == T(1.f), T(1.f), pow(tint, path));
-        return fma(power - T(1.f), share, T(1.f));
+        return max(fma(power - T(1.f), share, T(1.f)), T(0.f));  // a share above 1 takes all of it
     }
 
     /// The bumped normal from Cycles' Normal pass, in which each closure's normal has the weight of its closure (that
     /// of a compensated one times its albedo): the length that the mean had is what makes the base's normal unit.
     template <class T>
     static RELUME_INLINE Vec3<T> unmixed(const Stack<T>& w, T coat_weight, const Vec3<T>& pass, const Vec3<T>& smooth) {
-        const T one(1.f), sheen = mean(w.sheen);
-        const T above = fma(sheen, coat_weight, w.coat_weight);
-        const T below = fma(sheen, one - coat_weight, w.base_weight);
+        const T one(1.f), sheen = mean(w.sheen), share = min(coat_weight, one);
+        const T above = fma(sheen, share, w.coat_weight);
+        const T below = fma(sheen, one - share, w.base_weight);
         const T cosine = dot(pass, smooth), sine2 = max(fnma(cosine, cosine, one), T(0.f));
         const T length = fma(above, cosine, safe_sqrt(fnma(above * above, sine2, below * below)));
         return normalize(fma(smooth, -above, scale(pass, length)));
@@ -245,13 +254,12 @@ struct BlenderPrincipled5 {
         if (o.emission_is != Options::seen) out.emission = mul(p.emission, w.emission);
 
         out.base.prepare_round(square(in.roughness), n_dot_v, kMirror);
-        const T anisotropic = saturate(p.anisotropic);
-        out.base.any_anisotropic = any(anisotropic > zero);
+        out.base.any_anisotropic = in.any_anisotropic;
         if (out.base.any_anisotropic) {
             Geometry<T> bumped = g;
             bumped.n = out.n;
             rotated_frame(bumped, p.anisotropic_rotation, out.base.tangent, out.base.bitangent);
-            out.base.prepare_stretched(g.v, anisotropic);
+            out.base.prepare_stretched(g.v, in.anisotropic);
         }
         out.metal = scale(w.metal, seen);
         out.metal_f0 = in.metal_f0;
@@ -303,7 +311,9 @@ struct BlenderPrincipled5 {
         const T c = min(half.v_dot_h, one);
 
         const Vec3<T> from_n = sub(h, m.n);
-        const T lobe = m.base(s.l, h, dot(from_n, from_n), n_dot_l);
+        T lobe = m.base(s.l, h, dot(from_n, from_n), n_dot_l);
+        // A facet reflects nothing that comes from behind the surface, however the bump turns it.
+        if (m.any_apart) lobe = select(s_dot_l > zero, lobe, zero);
         Color<T> f = splat(zero);
         if (m.any_dielectric) f = fma(m.dielectric_rise, m.rise(c), m.dielectric_f0);
         if (m.any_metal) {

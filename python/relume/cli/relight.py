@@ -120,10 +120,10 @@ def plan(source: str | None, rig: Rig, output: str, frames: str | None) -> list[
         click.UsageError: frames without a place for their number, outputs that would overwrite each other or an input.
         click.ClickException: nothing on disk matches, or there is no folder for the output.
     """
-    from relume.errors import Error
+    from relume.errors import ArgumentError, Error
     from relume.frames import find_frames, is_pattern, parse_frames, resolve_frame
     from relume.gbuffer import main_file
-    from relume.sequence import Frame, inputs_of
+    from relume.sequence import Frame, check_outputs
 
     try:
         name = main_file(source, rig)
@@ -151,13 +151,10 @@ def plan(source: str | None, rig: Rig, output: str, frames: str | None) -> list[
             raise click.UsageError(f"{output}: all {len(numbers)} frames would go to this one file; write #### into it")
         jobs = [Frame(number, resolve_frame(name, number), Path(resolve_frame(output, number))) for number in numbers]
 
-    outputs = {job.output.resolve(): job for job in jobs}
-    if len(outputs) < len(jobs):
-        raise click.UsageError(f"{output}: several frames would go to the same file")
-    inputs = {path.resolve() for job in jobs for path in inputs_of(job, rig)}
-    for path in inputs:
-        if path in outputs:
-            raise click.UsageError(f"{outputs[path].output}: the output would overwrite an input")
+    try:
+        check_outputs(jobs, rig)
+    except ArgumentError as error:
+        raise click.UsageError(str(error)) from None
     for folder in {job.output.parent for job in jobs}:
         if not folder.is_dir():
             raise click.ClickException(f"{folder}: no such folder; make it first")

@@ -204,6 +204,25 @@ def test_no_space_for_a_range(scene: Any, folder: Path) -> None:
     assert len(list((folder / "relit").iterdir())) == 2
 
 
+def test_a_range_never_goes_over_its_renders(scene: Any, folder: Path) -> None:
+    scene.frame_start, scene.frame_end = 1, 2
+    for frame in (1, 2):
+        shutil.copyfile(folder / "shot.exr", folder / f"shot.{frame:04}.exr")
+    before = (folder / "shot.0001.exr").read_bytes()
+    scene.relume.filepath = scene.relume.output_path = str(folder / "shot.####.exr")
+    with pytest.raises(RuntimeError, match=r"shot\.0001\.exr: the output would overwrite an input"):
+        bpy.ops.relume.relight_range()
+    assert (folder / "shot.0001.exr").read_bytes() == before
+    scene.relume.output_path = ""
+    with pytest.raises(RuntimeError, match="no output: say where"):
+        bpy.ops.relume.relight_range()
+
+
+def test_a_rig_without_a_name(scene: Any, folder: Path) -> None:
+    with pytest.raises(RuntimeError, match="it names no file"):
+        bpy.ops.relume.write_rig(filepath="")
+
+
 def test_no_space_for_the_render(scene: Any) -> None:
     """The render that was just made goes through a temporary file."""
     scene.relume.source = "RENDER"

@@ -36,6 +36,7 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "spot": ("SPOT", SPOT),
     "spot with a hard edge": ("SPOT", SPOT | {"spot_blend": 0.0}),
+    "spot of a half space": ("SPOT", SPOT | {"spot_size": math.pi}),
     "spot all soft and cold": ("SPOT", SPOT | {"spot_blend": 1.0, "use_temperature": True, "temperature": 9000.0}),
 }
 
@@ -110,6 +111,52 @@ def test_nodes_of_a_light(module: Callable[[str], Any], folder: Path) -> None:
     gbuffer = render(scene, folder / "plane.exr")
     errors = relative_errors(relit(scene, gbuffer, module), gbuffer["beauty"][..., :3], np.bool_(True))
     assert np.percentile(errors, 99) <= 1e-3
+
+
+def test_nodes_of_a_light_past_reroutes(module: Callable[[str], Any], folder: Path) -> None:
+    scene = lambert_plane()
+    light = add(scene, "POINT", POINT).data
+    light.use_nodes = True
+    tree = light.node_tree
+    emission = next(node for node in tree.nodes if node.bl_idname == "ShaderNodeEmission")
+    emission.inputs["Strength"].default_value = 2.5
+    reroute = tree.nodes.new("NodeReroute")
+    tree.links.new(emission.outputs[0], reroute.inputs[0])
+    tree.links.new(reroute.outputs[0], tree.get_output_node("CYCLES").inputs["Surface"])
+    gbuffer = render(scene, folder / "plane.exr")
+    errors = relative_errors(relit(scene, gbuffer, module), gbuffer["beauty"][..., :3], np.bool_(True))
+    assert errors.size > 500 and np.percentile(errors, 99) <= 1e-3
+    emission.mute = True
+    assert render(scene, folder / "plane.exr")["beauty"][..., :3].max() == 0
+    lights = module("scene_lights").scene_lights(scene, bpy.context.evaluated_depsgraph_get())
+    assert lights.lights == [] and lights.left_out == [("light", "its nodes emit nothing")]
+
+
+def test_lights_that_viewports_or_renders_do_not_show(module: Callable[[str], Any], folder: Path) -> None:
+    """A collection that renders hide hides those inside; what viewports hide is rendered, where its parent has it."""
+    scene = lambert_plane()
+    outer, inner = (bpy.data.collections.new(name) for name in ("outer", "inner"))
+    scene.collection.children.link(outer)
+    outer.children.link(inner)
+    sun = add(scene, "SUN", {"energy": 5.0, "angle": 0.0}, "inside")
+    scene.collection.objects.unlink(sun)
+    inner.objects.link(sun)
+    outer.hide_render = True
+    lamp, empty = add(scene, "POINT", POINT, "lamp"), bpy.data.objects.new("empty", None)
+    scene.collection.objects.link(empty)
+    lamp.parent = empty
+    lamp.hide_viewport = True
+    bpy.context.view_layer.update()
+    empty.location, lamp.location = (0.7, -0.4, 0.3), (0.2, 0.5, 2.0)
+    bpy.context.view_layer.update()
+    gbuffer = render(scene, folder / "plane.exr")
+    errors = relative_errors(relit(scene, gbuffer, module), gbuffer["beauty"][..., :3], np.bool_(True))
+    assert errors.size > 500 and np.percentile(errors, 99) <= 1e-3
+    lights = module("scene_lights").scene_lights(scene, bpy.context.evaluated_depsgraph_get())
+    assert lights.notes == []
+    empty.constraints.new("COPY_LOCATION")
+    lights = module("scene_lights").scene_lights(scene, bpy.context.evaluated_depsgraph_get())
+    assert [name for name, note in lights.notes if "not followed" in note] == ["lamp"]
 
 
 def test_instances_and_hidden_lights(module: Callable[[str], Any], folder: Path) -> None:
@@ -210,6 +257,32 @@ def test_light_linking(state: str, module: Callable[[str], Any], folder: Path) -
     frame = module("frames").LoadedFrame(gbuffer, rig)
     frame.relight(scene, module("scene_lights").scene_lights(scene, bpy.context.evaluated_depsgraph_get()).lights)
     assert np.abs(frame.pixels[::-1, :, :3] - image).max() <= 1e-6
+
+
+def test_light_linking_by_instance_and_namesake(module: Callable[[str], Any], folder: Path) -> None:
+    """What is linked may be the instance of a collection; a material that is called as an object is, is not meant."""
+    scene = lambert_plane()
+    plane = scene.objects["plane"]
+    plane.location = (-4.0, 0.0, 0.0)
+    other = plane.copy()
+    other.name, other.location = "other", (0.0, 0.0, 0.0)
+    collection = bpy.data.collections.new("copies")
+    collection.objects.link(other)
+    empty = bpy.data.objects.new("instance", None)
+    empty.instance_type, empty.instance_collection, empty.location = "COLLECTION", collection, (4.0, 0.0, 0.0)
+    scene.collection.objects.link(empty)
+    plane.data.materials[0].name = "other"  # which both planes have
+    scene.view_layers[0].use_pass_cryptomatte_material = True
+    receivers = bpy.data.collections.new("receivers")
+    receivers.objects.link(empty)
+    add(scene, "SUN", {"energy": 3.0, "angle": 0.0}).light_linking.receiver_collection = receivers
+    bpy.context.view_layer.update()
+    gbuffer = render(scene, folder / "plane.exr")
+    truth, image = gbuffer["beauty"][..., :3], relit(scene, gbuffer, module)
+    lit = truth.max(axis=-1) > 1e-3
+    assert 1000 < lit.sum() < lit.size - 1000
+    assert (image[~lit] == 0).all()
+    assert np.percentile(relative_errors(image, truth, lit), 99) <= 1e-3
 
 
 def test_left_out_by_name(module: Callable[[str], Any]) -> None:

@@ -239,6 +239,60 @@ def test_what_cannot_be_wired_is_listed() -> None:
     assert len(lines) == 4
 
 
+def test_what_is_approximated_is_listed() -> None:
+    """Both distributions in one material, a slot without a material, a shading offset: none of it in silence."""
+    scene = materials.build_kinds(32, 18)
+    tree = bpy.data.materials["two_paints"].node_tree
+    next(n for n in tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled").distribution = "MULTI_GGX"
+    ball = scene.objects["ball plain"]
+    ball.data.materials.append(None)
+    bpy.ops.relume.set_up_passes()
+    assert [(each.name, each.icon) for each in scene.relume.unwired] == [("two_paints", "INFO")]
+    assert "mixes GGX and Multiscatter GGX" in scene.relume.unwired[0].text
+    ball.data.polygons[0].material_index = 1  # until here the slot was nobody's
+    scene.objects["ball metal"].shadow_terminator_shading_offset = 0.2
+    bpy.ops.relume.set_up_passes()
+    lines = {each.name: each.text for each in scene.relume.unwired}
+    assert "slot 2 has no material" in lines["ball plain"]
+    assert "Shading Offset" in lines["ball metal"]
+
+
+def test_files_are_written_without_loss(folder: Path) -> None:
+    """A compression that changes numbers gives way. Pixels that are not square are no obstacle: to the file, and to the
+    render that was just made."""
+    scene = materials.build_kinds(160, 90)
+    settings = scene.render.image_settings
+    bpy.ops.relume.set_up_passes()
+    settings.exr_codec, scene.render.pixel_aspect_x = "DWAA", 1.6
+    assert bpy.ops.relume.set_up_passes() == {"FINISHED"}
+    assert settings.exr_codec == "ZIP"
+    assert bpy.ops.relume.set_up_passes() == {"CANCELLED"}
+    gbuffer = render(scene, folder / "wide.exr")
+    assert not gbuffer.notes
+    images = []
+    for source in ("RENDER", "FILE"):
+        scene.relume.source, scene.relume.filepath = source, str(folder / "wide.exr")
+        assert bpy.ops.relume.relight() == {"FINISHED"}
+        images.append(pixels_of(bpy.data.images["Relit Scene"])[..., :3])
+    assert np.abs(images[0] - images[1]).max() <= 2e-5
+    errors = relative_errors(images[1], direct_light(scene, folder), interior(gbuffer["material_id"] > 0))
+    assert errors.size > 2000 and np.percentile(errors, 99) <= P99_BAR
+
+
+def test_a_long_chain_of_mixes_is_listed() -> None:
+    scene = materials.build_kinds(32, 18)
+    tree = bpy.data.materials["plain"].node_tree
+    output = tree.get_output_node("CYCLES").inputs["Surface"]
+    for _ in range(500):
+        mix = tree.nodes.new("ShaderNodeMixShader")
+        tree.links.new(output.links[0].from_socket, mix.inputs[1])
+        tree.links.new(mix.outputs[0], output)
+    bpy.ops.relume.set_up_passes()
+    assert [each.text for each in scene.relume.unwired if each.name == "plain"] == [
+        "more than 100 shaders are mixed one after the other"
+    ]
+
+
 def test_the_users_own_aov_is_kept() -> None:
     scene = materials.build_kinds(32, 18)
     tree = bpy.data.materials["plain"].node_tree
