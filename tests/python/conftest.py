@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
@@ -15,6 +16,9 @@ import numpy as np
 import OpenEXR
 import pytest
 import relume
+
+# Who starts the tests in the background has them, and the programs that they start, ignore ctrl-C.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 KEY = """
 version = 1
