@@ -10,6 +10,7 @@
 #include "gbuffer/attributes.h"
 #include "gbuffer/gbuffer_impl.h"
 #include "relume/version.h"
+#include "relume/working_space.h"
 
 namespace relume {
 
@@ -59,6 +60,26 @@ std::optional<io::Attribute> color_id(const GBuffer::Impl& source) {
     return std::nullopt;
 }
 
+/// The working space where the source says none or another one: colours of the rig's are what the output holds.
+const WorkingSpace* restated_space(const GBuffer& gbuffer) {
+    const WorkingSpace* space = find_working_space(gbuffer.working_space());
+    if (!space) return nullptr;
+    const GBuffer::Impl& source = gbuffer.impl();
+    std::string stated = "lin_rec709";  // what an EXR without a word is taken for
+    if (!source.files.empty()) {
+        const auto beauty = beauty_address(source);
+        const io::Header& header = source.files[static_cast<std::size_t>(beauty ? beauty->file : 0)].header;
+        if (const auto said = gbuffer::stated_working_space(header, beauty ? beauty->part : 0)) stated = said->first;
+    }
+    return stated == space->name ? nullptr : space;
+}
+
+/// Puts an attribute in the place of one of its name.
+void set_attribute(std::vector<io::Attribute>& attributes, io::Attribute attribute) {
+    std::erase_if(attributes, [&](const io::Attribute& a) { return a.name == attribute.name; });
+    attributes.push_back(std::move(attribute));
+}
+
 /// What the beauty's part is called among several: as the source's own layer, without the view layer ("Combined" for
 /// "ViewLayer.Combined"), for Blender 5 names the pass by it; "rgba" where the source's channels are plain R, G, B.
 std::string beauty_part_name(const GBuffer::Impl& source, const Plan& plan) {
@@ -82,7 +103,13 @@ std::vector<io::Attribute> metadata(const GBuffer& gbuffer, const Rig& rig) {
             for (const io::Attribute& a : parts.front().attributes)
                 if (!describes_source(a.name)) out.push_back(a);
     }
-    if (const auto id = color_id(gbuffer.impl())) out.push_back(*id);
+    if (const WorkingSpace* space = restated_space(gbuffer)) {
+        const auto& xy = space->chromaticities;
+        set_attribute(out, {"chromaticities", "chromaticities", std::vector<double>(xy.begin(), xy.end())});
+        set_attribute(out, {std::string(kColorID), "string", std::string(space->name) + "_scene"});
+    } else if (const auto id = color_id(gbuffer.impl())) {
+        out.push_back(*id);
+    }
     out.push_back({"relume/version", "string", std::string(version())});
     out.push_back({"relume/rig", "string", rig.to_toml()});
     out.push_back({"relume/channels", "string", reasons(gbuffer)});

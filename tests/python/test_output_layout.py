@@ -151,6 +151,32 @@ def test_color_of_the_beauty_not_of_the_first_part(rig: Rig, tmp_path: Path) -> 
     assert {header["colorInteropID"] for header, _ in stored(tmp_path / "relit.exr").values()} == {"lin_ap1_scene"}
 
 
+AP1 = (0.713, 0.293, 0.165, 0.83, 0.128, 0.044, 0.32168, 0.33767)  # AMPAS S-2014-004, table 1
+REC709 = (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329)  # ITU-R BT.709-6, item 1.3
+
+
+@pytest.mark.parametrize("said", [{}, {"chromaticities": REC709}, {"colorInteropID": "lin_rec709_scene"}])
+def test_a_space_that_the_rig_gives_is_said_in_the_output(said: dict[str, object], tmp_path: Path) -> None:
+    """A picture in ACEScg that says nothing, or Rec.709, is shown in wrong colours."""
+    source = write_exr(tmp_path / "source.exr", flat_channels(), **said)
+    relight_file(source, Rig.loads(KEY), tmp_path / "as_said.exr")
+    [(header, _)] = stored(tmp_path / "as_said.exr").values()
+    assert {name for name in header if name in ("chromaticities", "colorInteropID")} == set(said)
+    given = Rig.loads(KEY + "[gbuffer]\nworking_space = 'ACEScg'\n")
+    relight_file(source, given, tmp_path / "relit.exr")
+    [(header, _)] = stored(tmp_path / "relit.exr").values()
+    assert header["colorInteropID"] == "lin_ap1_scene"
+    np.testing.assert_allclose(header["chromaticities"], AP1, atol=1e-6)
+    spec = oiio.ImageInput.open(str(tmp_path / "relit.exr")).spec()
+    assert spec.getattribute("oiio:ColorSpace") in ("lin_ap1_scene", "ACEScg", "acescg")
+    # The other way round, and into parts.
+    ap1 = write_exr(tmp_path / "ap1.exr", flat_channels(), chromaticities=AP1, colorInteropID="lin_ap1_scene")
+    relight_file(ap1, Rig.loads(KEY + "[gbuffer]\nworking_space = 'lin_rec709'\n"), tmp_path / "rec709.exr")
+    [(header, _)] = stored(tmp_path / "rec709.exr").values()
+    assert header["colorInteropID"] == "lin_rec709_scene"
+    np.testing.assert_allclose(header["chromaticities"], REC709, atol=1e-6)
+
+
 def test_no_color_is_not_data(rig: Rig, tmp_path: Path) -> None:
     """One file per channel: what the normal's says of itself is not said of the picture."""
     channels = flat_channels()
