@@ -211,7 +211,7 @@ constexpr double kSoon = 50;  // milliseconds
 #endif
 
 /// What else the machine does comes and goes.
-constexpr int kAttempts = 8;
+constexpr int kAttempts = 4;
 
 /// So many lights that a frame takes more than a second.
 class ManyLights {
